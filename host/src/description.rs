@@ -1,0 +1,380 @@
+//! A scene as loaded: what every loader makes and the compiler reads. World space, meshes indexed,
+//! names kept for messages.
+
+use std::path::PathBuf;
+
+/// Linear sRGB.
+pub type Color = [f32; 3];
+
+/// Where in a scene file something was said.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// The file.
+    pub file: PathBuf,
+    /// Line from 1; 0 where lines mean nothing (binary files).
+    pub line: u32,
+}
+
+/// A whole scene.
+#[derive(Clone, Debug, Default)]
+pub struct Description {
+    /// The camera and its film.
+    pub sensor: Sensor,
+    /// Objects.
+    pub shapes: Vec<Shape>,
+    /// Local models that shapes refer to by index.
+    pub materials: Vec<Material>,
+    /// Textures that materials refer to by index.
+    pub textures: Vec<Texture>,
+    /// Lights that aren't shapes.
+    pub emitters: Vec<Emitter>,
+    /// Advice of the file to the renderer.
+    pub advice: Advice,
+}
+
+/// What a scene file says about how to render it. The command line has the last word.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Advice {
+    /// Most edges of a path as Mitsuba counts them; `None` is unlimited.
+    pub max_depth: Option<u32>,
+    /// Samples per pixel.
+    pub samples: Option<u32>,
+}
+
+/// The camera.
+#[derive(Clone, Debug)]
+pub struct Sensor {
+    /// Kind and field of view.
+    pub projection: Projection,
+    /// Centre of projection.
+    pub origin: [f32; 3],
+    /// Towards larger column numbers, unit.
+    pub right: [f32; 3],
+    /// Towards larger row numbers (down in the picture), unit.
+    pub down: [f32; 3],
+    /// The optical axis, into the scene, unit.
+    pub forward: [f32; 3],
+    /// Nearest and farthest depth along the axis.
+    pub clip: [f32; 2],
+    /// Offset of the principal point in units of image width and height.
+    pub principal: [f32; 2],
+    /// Columns and rows of the full image.
+    pub resolution: [u32; 2],
+    /// Crop window: first column, first row, columns, rows.
+    pub crop: Option<[u32; 4]>,
+    /// Pixel filter.
+    pub filter: Filter,
+}
+
+/// How rays leave the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Pinhole (`aperture` 0) or thin lens.
+    Perspective {
+        /// Tangents of the half-angles in x and y.
+        half_tangent: [f32; 2],
+        /// Radius of the lens.
+        aperture: f32,
+        /// Distance to the plane in focus.
+        focus: f32,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Half-extents in x and y.
+        half_extent: [f32; 2],
+    },
+}
+
+/// A pixel filter; radii in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Filter {
+    /// Constant.
+    Box {
+        /// Half-width.
+        radius: f32,
+    },
+    /// Linear falloff.
+    Tent {
+        /// Half-width.
+        radius: f32,
+    },
+    /// Gaussian, cut where it is shifted to 0.
+    Gaussian {
+        /// σ.
+        sigma: f32,
+        /// Half-width.
+        radius: f32,
+    },
+}
+
+impl Default for Sensor {
+    fn default() -> Self {
+        Self {
+            projection: Projection::Perspective {
+                half_tangent: [1.0, 1.0],
+                aperture: 0.0,
+                focus: 1.0,
+            },
+            origin: [0.0; 3],
+            right: [-1.0, 0.0, 0.0],
+            down: [0.0, -1.0, 0.0],
+            forward: [0.0, 0.0, 1.0],
+            clip: [1e-2, 1e4],
+            principal: [0.0; 2],
+            resolution: [768, 576],
+            crop: None,
+            filter: Filter::Box { radius: 0.5 },
+        }
+    }
+}
+
+/// An object.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// What messages call it: its id, or "sphere at file:line".
+    pub name: String,
+    /// Where it was said.
+    pub place: Place,
+    /// Its surface, in world space.
+    pub geometry: Geometry,
+    /// Material on the side of the normal; `None` is black.
+    pub front: Option<usize>,
+    /// Material on the other side; `None` is black.
+    pub back: Option<usize>,
+    /// Radiance emitted on the side of the normal.
+    pub emission: Option<Color>,
+    /// Opacity: the texture's first channel, or a constant.
+    pub opacity: Option<ColorSource>,
+}
+
+/// A surface.
+#[derive(Clone, Debug)]
+pub enum Geometry {
+    /// Triangles.
+    Mesh(Mesh),
+    /// An exact sphere.
+    Sphere {
+        /// Centre.
+        center: [f32; 3],
+        /// Radius.
+        radius: f32,
+        /// Whether the normal points inwards.
+        flipped: bool,
+    },
+}
+
+/// Triangles over shared vertices. The front of a triangle is where its vertices run counter-clockwise.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Normals, one per position, or none: flat.
+    pub normals: Option<Vec<[f32; 3]>>,
+    /// Texture coordinates, one per position, or none.
+    pub uvs: Option<Vec<[f32; 2]>>,
+    /// Triangles.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A constant colour or a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ColorSource {
+    /// The same everywhere.
+    Constant(Color),
+    /// Index of a [`Texture`].
+    Texture(usize),
+}
+
+/// A local model.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// What messages call it.
+    pub name: String,
+    /// Which.
+    pub model: Model,
+}
+
+/// The local models.
+#[derive(Clone, Debug)]
+pub enum Model {
+    /// Diffuse reflection and transmission.
+    Diffuse {
+        /// k_d of reflection.
+        reflectance: ColorSource,
+        /// k_d of transmission.
+        transmittance: ColorSource,
+    },
+    /// Perfect mirror.
+    Mirror {
+        /// k_s.
+        reflectance: ColorSource,
+    },
+    /// Smooth conductor.
+    Conductor {
+        /// Real part of the index relative to outside.
+        eta: Color,
+        /// Imaginary part.
+        k: Color,
+        /// Scale.
+        reflectance: ColorSource,
+    },
+    /// Smooth dielectric.
+    Dielectric {
+        /// Index inside over index outside.
+        ior: f32,
+        /// Scale of reflection.
+        reflectance: ColorSource,
+        /// Scale of transmission.
+        transmittance: ColorSource,
+        /// Schlick's approximation instead of Fresnel's equations.
+        schlick: bool,
+    },
+    /// Light passes.
+    Null,
+    /// Thin sheet.
+    Sheet {
+        /// Mirror-like part.
+        specular_reflectance: ColorSource,
+        /// Straight transmission.
+        specular_transmittance: ColorSource,
+        /// Diffuse reflection.
+        diffuse_reflectance: ColorSource,
+        /// Diffuse transmission.
+        diffuse_transmittance: ColorSource,
+    },
+}
+
+/// A colour over (u, v).
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// What messages call it.
+    pub name: String,
+    /// Texels or pattern.
+    pub pattern: Pattern,
+    /// 2×3 matrix from mesh (u, v) to texture coordinates.
+    pub to_uv: [[f32; 3]; 2],
+}
+
+/// Where a texture's colours come from.
+#[derive(Clone, Debug)]
+pub enum Pattern {
+    /// A unit checkerboard of two colours.
+    Checkerboard {
+        /// Both colours.
+        colors: [Color; 2],
+    },
+    /// An image.
+    Bitmap {
+        /// Its texels.
+        image: Image,
+        /// Nearest texel instead of bilinear.
+        nearest: bool,
+        /// What happens outside [0, 1]².
+        wrap: Wrap,
+        /// Take the alpha channel.
+        alpha: bool,
+    },
+}
+
+/// What happens outside [0, 1]².
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// Starts over.
+    Repeat,
+    /// The border goes on.
+    Clamp,
+    /// Back and forth.
+    Mirror,
+}
+
+/// Texels, row 0 at the top.
+#[derive(Clone, Debug)]
+pub struct Image {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Row by row.
+    pub texels: Texels,
+}
+
+/// How texels are coded.
+#[derive(Clone, Debug)]
+pub enum Texels {
+    /// RGBA, sRGB-coded (alpha linear).
+    Srgb8(Vec<[u8; 4]>),
+    /// RGBA, linear.
+    Linear8(Vec<[u8; 4]>),
+    /// Linear RGB.
+    Float(Vec<Color>),
+}
+
+/// A light that isn't a shape.
+#[derive(Clone, Debug)]
+pub struct Emitter {
+    /// What messages call it.
+    pub name: String,
+    /// Which.
+    pub kind: EmitterKind,
+}
+
+/// The lights.
+#[derive(Clone, Debug)]
+pub enum EmitterKind {
+    /// Isotropic point.
+    Point {
+        /// Where.
+        position: [f32; 3],
+        /// W sr⁻¹.
+        intensity: Color,
+    },
+    /// Point with a cone.
+    Spot {
+        /// Where.
+        position: [f32; 3],
+        /// Axis, unit.
+        direction: [f32; 3],
+        /// Intensity on the axis.
+        intensity: Color,
+        /// Angle of the cut-off, radians.
+        cutoff: f32,
+        /// Angle at which the fall-off begins, radians.
+        beam_width: f32,
+    },
+    /// From infinity.
+    Directional {
+        /// Where light travels, unit.
+        direction: [f32; 3],
+        /// On a plane perpendicular to it.
+        irradiance: Color,
+    },
+    /// The same radiance from everywhere.
+    Constant {
+        /// Radiance.
+        radiance: Color,
+    },
+    /// A lat-long image.
+    LatLong {
+        /// Linear texels.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Row by row from the top.
+        texels: Vec<Color>,
+        /// Factor.
+        scale: f32,
+        /// The image's axes in the world: rows.
+        to_local: [[f32; 3]; 3],
+    },
+    /// Six square images in the order +x −x +y −y +z −z.
+    CubeMap {
+        /// Columns of a face.
+        width: u32,
+        /// 6·width rows.
+        texels: Vec<Color>,
+        /// Factor.
+        scale: f32,
+        /// The image's axes in the world: rows.
+        to_local: [[f32; 3]; 3],
+    },
+}

@@ -1,0 +1,3 @@
+//! The host: scene files to blobs, blobs to images.
+
+pub mod description;

@@ -1,0 +1,2 @@
+//! The `etendue` program.
+fn main() {}

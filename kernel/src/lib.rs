@@ -1,0 +1,16 @@
+//! Étendue: a light-transport kernel to embed.
+#![no_std]
+#![deny(unsafe_code)]
+
+pub mod blob {
+    //! The scene as bytes.
+    pub mod format;
+}
+pub mod random;
+pub mod real;
+pub mod shape {
+    //! Rays and primitives.
+    mod ray;
+    pub use ray::{Hit, Ray, Tracer};
+}
+pub mod spectrum;

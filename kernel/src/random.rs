@@ -1,0 +1,94 @@
+//! Where random numbers come from.
+//!
+//! An estimator asks for a number by what it is *for*: subpath, vertex, purpose. Independent numbers
+//! ([`Pcg`]) ignore that; low-discrepancy and recorded sequences turn it into a dimension, so one can
+//! be replayed or mutated without the estimator knowing (`transport.md` §7, Sobol and Metropolis).
+
+use crate::real::{Real, unit};
+use rand_core::{Rng, SeedableRng};
+use rand_pcg::Pcg32;
+
+/// Which walk a number belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subpath {
+    /// The walk from the sensor.
+    Sensor,
+    /// The walk from an emitter.
+    Light,
+}
+
+/// What a number decides at its vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Position in the pixel filter.
+    Filter,
+    /// Position on the lens.
+    Lens,
+    /// Which emitter.
+    Choice,
+    /// A point or direction on the chosen emitter.
+    Position,
+    /// The direction in which an emitter sends.
+    Emission,
+    /// Which lobe of the local model.
+    Lobe,
+    /// The direction within the lobe.
+    Direction,
+    /// Whether a fractional mask is there.
+    Opacity,
+    /// Whether the walk goes on.
+    Roulette,
+}
+
+/// A source of numbers in [0, 1), never 1.
+pub trait Sampler {
+    /// Says for which vertex of which walk the numbers to come are.
+    fn at(&mut self, subpath: Subpath, vertex: u32);
+    /// One number in [0, 1).
+    fn one(&mut self, purpose: Purpose) -> Real;
+    /// Two numbers in [0, 1)².
+    #[inline(always)]
+    fn two(&mut self, purpose: Purpose) -> [Real; 2] {
+        let x = self.one(purpose);
+        [x, self.one(purpose)]
+    }
+}
+
+/// Independent numbers: PCG XSH RR 64/32 (O'Neill 2014), a stream of its own per (pixel, sample).
+#[derive(Clone, Debug)]
+pub struct Pcg(Pcg32);
+
+impl Pcg {
+    /// The stream of sample `index` of the element (pixel, texel, chain) `element` under `seed`:
+    /// a pure function of the three, so that it doesn't matter who draws it, or when.
+    #[inline]
+    pub fn new(seed: u64, element: u64, index: u64) -> Self {
+        let mut s = mix(seed ^ 0x9e37_79b9_7f4a_7c15);
+        s = mix(s ^ element);
+        s = mix(s ^ index);
+        Self(Pcg32::new(s, mix(s ^ 0xd1b5_4a32_d192_ed03)))
+    }
+
+    /// A stream that starts from `seed` alone.
+    pub fn from_seed(seed: u64) -> Self {
+        Self(Pcg32::seed_from_u64(seed))
+    }
+}
+
+impl Sampler for Pcg {
+    #[inline(always)]
+    fn at(&mut self, _: Subpath, _: u32) {}
+    #[inline(always)]
+    fn one(&mut self, _: Purpose) -> Real {
+        unit(self.0.next_u32())
+    }
+}
+
+/// The finaliser of SplitMix64 (Steele et al. 2014): a bijection that avalanches.
+#[inline(always)]
+fn mix(mut z: u64) -> u64 {
+    z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
