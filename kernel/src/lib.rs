@@ -2,15 +2,20 @@
 #![no_std]
 #![deny(unsafe_code)]
 
-pub mod blob {
-    //! The scene as bytes.
-    pub mod format;
-}
+pub mod blob;
+pub mod emitter;
+pub mod estimate;
+pub mod film;
+pub mod path;
 pub mod random;
 pub mod real;
-pub mod shape {
-    //! Rays and primitives.
-    mod ray;
-    pub use ray::{Hit, Ray, Tracer};
-}
+pub mod sensor;
+pub mod shape;
 pub mod spectrum;
+pub mod surface;
+pub mod warp;
+
+pub use blob::Scene;
+pub use estimate::{Estimator, Scratch, Settings, estimate_with};
+pub use path::{Counters, Heuristic};
+pub use spectrum::Rgb;

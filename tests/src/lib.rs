@@ -1,1 +1,4 @@
-//! Shared helpers of the truth, agreement and golden tests.
+//! Shared by the truth, agreement and golden tests.
+
+pub mod render;
+pub mod scenes;

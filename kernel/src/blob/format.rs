@@ -26,9 +26,8 @@
 //!
 //! # Tree
 //! Eight-wide nodes; node 0 is the root. A child is a box and a *reference* ([`child`]): empty, a node,
-//! a run of packets or a run of spheres. A node's children nodes have larger indices than itself, each
-//! node but the root is somebody's child exactly once, and no leaf lies deeper than `world.depth`, at
-//! most [`MAX_DEPTH`]. Children's boxes contain what they hold. An empty slot's box is (+∞, −∞).
+//! a run of packets or a run of spheres. Each node but the root names its parent and is its child exactly once;
+//! levels count from the root, and none is above `world.depth`, at most [`MAX_DEPTH`]. Children's boxes contain what they hold. An empty slot's box is (+∞, −∞).
 
 use bytemuck::{Pod, Zeroable};
 
@@ -152,7 +151,7 @@ pub struct World {
     pub center: [f32; 3],
     /// Its radius, > 0: what light from infinity covers, πR².
     pub radius: f32,
-    /// Depth of the deepest leaf's parent, the root being at depth 0.
+    /// The largest level of a node; the root has level 0.
     pub depth: u32,
     /// Primitive id of sphere 0: packets · [`LANES`].
     pub sphere_base: u32,
@@ -188,8 +187,12 @@ pub struct Node {
     pub high: [[f32; WIDTH]; 3],
     /// What each child is ([`child`]); a node is its index.
     pub children: [u32; WIDTH],
-    /// Order hint, unused in version 1: zero.
-    pub reserved: [u32; WIDTH],
+    /// The node whose child this is; [`NONE`] for node 0. It lets a reader prove in one pass that the nodes form a tree.
+    pub parent: u32,
+    /// Distance from the root: the parent's plus 1, 0 for node 0.
+    pub level: u32,
+    /// Zero.
+    pub reserved: [u32; 6],
 }
 
 /// [`LANES`] triangles: `v[vertex][axis][lane]`.

@@ -1,0 +1,288 @@
+//! A description to a blob: everything the kernel would otherwise have to work out.
+
+mod alias;
+pub mod bvh;
+mod emitters;
+mod surfaces;
+mod writer;
+
+use crate::blob::AlignedBlob;
+use crate::description::{Description, Geometry, Mesh, Place};
+use emitters::{Emitters, Emitting};
+use etendue::blob::format::{
+    LANES, NONE, Node, Shape, Sphere, Triangle, World, child, material, needs, section,
+};
+use surfaces::Surfaces;
+
+/// Coordinates beyond this are refused, as the kernel does.
+const MAX_COORDINATE: f32 = 1e12;
+
+/// A compiled scene.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    /// The blob.
+    pub blob: AlignedBlob,
+    /// What the builder says of its tree.
+    pub quality: bvh::Quality,
+}
+
+/// Why a description can't be compiled.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{}: {name}: {reason}", describe(.place))]
+pub struct CompileError {
+    /// Where the object was said.
+    pub place: Place,
+    /// What the object is called.
+    pub name: String,
+    /// What is wrong and what was expected.
+    pub reason: String,
+}
+
+fn describe(place: &Place) -> String {
+    match place.line {
+        0 => place.file.display().to_string(),
+        line => format!("{}:{line}", place.file.display()),
+    }
+}
+
+/// Compiles a scene.
+///
+/// # Errors
+/// A coordinate out of range, a light without area, a second background, or more of something than the format can count.
+pub fn compile(d: &Description) -> Result<Compiled, CompileError> {
+    let mut surfaces = Surfaces::compile(d);
+    let mut emitters = Emitters::default();
+    let mut geometry = Flat::default();
+    let mut shapes = Vec::new();
+    for (id, s) in d.shapes.iter().enumerate() {
+        let fail = |reason: String| CompileError { place: s.place.clone(), name: s.name.clone(), reason };
+        let id = id as u32;
+        let emission = s.emission.filter(|l| l.iter().any(|&x| x > 0.0));
+        let mut shape = Shape {
+            front: s.front.map_or(NONE, |m| m as u32),
+            back: s.back.map_or(NONE, |m| m as u32),
+            interior: NONE,
+            exterior: NONE,
+            emitter: emission.map_or(NONE, |l| emitters.area(id, l)),
+            opacity: s.opacity.map_or(NONE, |o| surfaces.as_texture(o)),
+            normals: NONE,
+            uvs: NONE,
+            ..bytemuck::Zeroable::zeroed()
+        };
+        if s.opacity.is_some() {
+            surfaces.needs |= needs::MASKS;
+        }
+        let area = match &s.geometry {
+            Geometry::Mesh(mesh) => geometry.mesh(id, mesh, &mut shape).map_err(fail)?,
+            Geometry::Sphere { center, radius, flipped } => {
+                geometry.sphere(id, *center, *radius, *flipped).map_err(fail)?
+            }
+        };
+        if emission.is_some() && area <= 0.0 {
+            return Err(fail("a light needs an area > 0".into()));
+        }
+        shapes.push(shape);
+    }
+    let whole = |reason: String| CompileError { place: Place::default(), name: "scene".into(), reason };
+    let mut built = bvh::build(&geometry.corners, &geometry.spheres).map_err(|e| whole(e.to_string()))?;
+    name_parents(&mut built.nodes);
+    let (center, radius) = geometry.bounds();
+    for e in &d.emitters {
+        let fail = |reason: String| CompileError { place: Place::default(), name: e.name.clone(), reason };
+        emitters.add(&e.kind, f64::from(radius), &mut surfaces.texels).map_err(fail)?;
+    }
+    // Primitives get the ids that the tree gave them.
+    let empty = Triangle { index: [0; 3], shape: NONE };
+    let triangles: Vec<Triangle> = built
+        .slots
+        .iter()
+        .map(|&source| geometry.triangles.get(source as usize).copied().unwrap_or(empty))
+        .collect();
+    let spheres: Vec<Sphere> = built.sphere_order.iter().map(|&s| geometry.sphere_records[s as usize]).collect();
+    let sphere_base = (built.packets.len() * LANES) as u32;
+    let mut emitting = Vec::new();
+    let mut push = |shape: u32, primitive: u32, area: f64| {
+        let emitter = shapes.get(shape as usize).map_or(NONE, |s: &Shape| s.emitter);
+        if emitter != NONE {
+            emitting.push(Emitting { emitter, primitive, area });
+        }
+    };
+    for (slot, (t, &source)) in triangles.iter().zip(&built.slots).enumerate() {
+        if t.shape != NONE {
+            push(t.shape, slot as u32, triangle_area(&geometry.corners[source as usize]));
+        }
+    }
+    for (i, s) in spheres.iter().enumerate() {
+        push(s.shape, sphere_base + i as u32, sphere_area(s.radius));
+    }
+    emitters.choose(&emitting);
+    let world = World {
+        center,
+        radius,
+        depth: built.depth,
+        sphere_base,
+        background: emitters.background.unwrap_or(NONE),
+        exterior: NONE,
+        reserved: [0; 8],
+    };
+    let used = |m: &u32| *m != NONE;
+    let null = shapes
+        .iter()
+        .flat_map(|s| [s.front, s.back])
+        .filter(used)
+        .any(|m| surfaces.materials[m as usize].kind == material::NULL);
+    let mut bits = surfaces.needs & !needs::NULL | if null { needs::NULL } else { 0 };
+    for (holds, bit) in [
+        (!spheres.is_empty(), needs::SPHERES),
+        (!geometry.normals.is_empty(), needs::SMOOTH_NORMALS),
+        (d.emitters.iter().any(|e| is_distant(&e.kind)), needs::DISTANT),
+    ] {
+        bits |= if holds { bit } else { 0 };
+    }
+    let mut writer = writer::Writer::default();
+    writer.section(section::WORLD, &[world]);
+    writer.section(section::SENSOR, &[surfaces::sensor(&d.sensor)]);
+    writer.section(section::NODES, &built.nodes);
+    writer.section(section::PACKETS, &built.packets);
+    writer.section(section::TRIANGLES, &triangles);
+    writer.section(section::SPHERES, &spheres);
+    writer.section(section::NORMALS, &geometry.normals);
+    writer.section(section::UVS, &geometry.uvs);
+    writer.section(section::SHAPES, &shapes);
+    writer.section(section::MATERIALS, &surfaces.materials);
+    writer.section(section::TEXTURES, &surfaces.textures);
+    writer.section(section::TEXELS, &surfaces.texels);
+    writer.section(section::EMITTERS, &emitters.emitters);
+    writer.section(section::CHOICES, &emitters.choices);
+    writer.section(section::CELLS, &emitters.cells);
+    Ok(Compiled {
+        blob: writer.finish(bits, film_exponent(emitters.scale)),
+        quality: built.quality,
+    })
+}
+
+/// Writes into every node whose child it is, and how deep: what lets the kernel prove in one pass that
+/// the nodes form a tree. Parents come before their children.
+fn name_parents(nodes: &mut [Node]) {
+    for parent in 0..nodes.len() {
+        let level = nodes[parent].level + 1;
+        for reference in nodes[parent].children {
+            if reference != child::EMPTY && reference & child::LEAF == 0 {
+                let below = &mut nodes[reference as usize];
+                (below.parent, below.level) = (parent as u32, level);
+            }
+        }
+    }
+}
+
+/// The film counts in steps of 2^(e−64) up to 2^(e+63): 2¹⁶ above the scene's brightest radiance leaves 47 bits
+/// for fireflies above it and 48 for rounding below.
+fn film_exponent(scale: f64) -> i32 {
+    if scale > 0.0 { (scale.log2().ceil() as i32 + 16).clamp(-40, 60) } else { 16 }
+}
+
+fn is_distant(kind: &crate::description::EmitterKind) -> bool {
+    use crate::description::EmitterKind::{Point, Spot};
+    !matches!(kind, Point { .. } | Spot { .. })
+}
+
+fn triangle_area(t: &[[f32; 3]; 3]) -> f64 {
+    let [a, b, c] = t.map(|p| glam::DVec3::from(p.map(f64::from)));
+    0.5 * (b - a).cross(c - a).length()
+}
+
+fn sphere_area(radius: f32) -> f64 {
+    4.0 * std::f64::consts::PI * f64::from(radius) * f64::from(radius)
+}
+
+/// All geometry in flat lists.
+#[derive(Default)]
+struct Flat {
+    corners: Vec<[[f32; 3]; 3]>,
+    triangles: Vec<Triangle>,
+    normals: Vec<[f32; 3]>,
+    uvs: Vec<[f32; 2]>,
+    spheres: Vec<([f32; 3], f32)>,
+    sphere_records: Vec<Sphere>,
+    low: Option<[f32; 3]>,
+    high: [f32; 3],
+}
+
+impl Flat {
+    /// Adds a mesh; returns its area.
+    fn mesh(&mut self, id: u32, mesh: &Mesh, shape: &mut Shape) -> Result<f64, String> {
+        let too_many = || "more vertices than the format can count (2³²)".to_string();
+        shape.vertices = u32::try_from(mesh.positions.len()).map_err(|_| too_many())?;
+        for p in &mesh.positions {
+            self.grow(*p, 0.0)?;
+        }
+        if let Some(normals) = &mesh.normals {
+            shape.normals = u32::try_from(self.normals.len()).map_err(|_| too_many())?;
+            self.normals.extend(normals.iter().map(|n| unit(*n)));
+        }
+        if let Some(uvs) = &mesh.uvs {
+            shape.uvs = u32::try_from(self.uvs.len()).map_err(|_| too_many())?;
+            self.uvs.extend_from_slice(uvs);
+        }
+        let mut area = 0.0;
+        for index in &mesh.triangles {
+            let corner = |i: u32| {
+                let p = mesh.positions.get(i as usize).copied();
+                p.ok_or_else(|| format!("vertex {i} of {}", mesh.positions.len()))
+            };
+            let corners = [corner(index[0])?, corner(index[1])?, corner(index[2])?];
+            area += triangle_area(&corners);
+            self.corners.push(corners);
+            self.triangles.push(Triangle { index: *index, shape: id });
+        }
+        Ok(area)
+    }
+
+    /// Adds a sphere; returns its area.
+    fn sphere(&mut self, shape: u32, center: [f32; 3], radius: f32, flipped: bool) -> Result<f64, String> {
+        if !(radius > 0.0 && radius <= MAX_COORDINATE) {
+            return Err(format!("a sphere's radius must be in (0, 1e12], found {radius}"));
+        }
+        self.grow(center, radius)?;
+        self.spheres.push((center, radius));
+        self.sphere_records.push(Sphere { center, radius, shape, flipped: u32::from(flipped), reserved: [0; 2] });
+        Ok(sphere_area(radius))
+    }
+
+    /// Makes the bounds hold a ball around `p`.
+    fn grow(&mut self, p: [f32; 3], radius: f32) -> Result<(), String> {
+        if !p.iter().all(|x| x.abs() <= MAX_COORDINATE) {
+            return Err(format!("coordinates must be finite and within ±1e12, found {p:?}"));
+        }
+        let low = self.low.get_or_insert([f32::INFINITY; 3]);
+        if low[0] == f32::INFINITY {
+            self.high = [f32::NEG_INFINITY; 3];
+        }
+        for axis in 0..3 {
+            low[axis] = low[axis].min(p[axis] - radius);
+            self.high[axis] = self.high[axis].max(p[axis] + radius);
+        }
+        Ok(())
+    }
+
+    /// A sphere around everything, a little larger than need be.
+    fn bounds(&self) -> ([f32; 3], f32) {
+        let Some(low) = self.low else {
+            return ([0.0; 3], 1.0);
+        };
+        let center: [f32; 3] = std::array::from_fn(|i| 0.5 * (low[i] + self.high[i]));
+        let square: f64 = (0..3)
+            .map(|i| f64::from(self.high[i]) - f64::from(center[i]))
+            .map(|x| x * x)
+            .sum();
+        let size = center.iter().fold(0.0f32, |m, x| m.max(x.abs()));
+        let radius = square.sqrt() as f32 * 1.0001 + size * 1e-6;
+        (center, radius.max(f32::MIN_POSITIVE * 16.0))
+    }
+}
+
+/// `n` at unit length, in double precision; +z if it has none.
+fn unit(n: [f32; 3]) -> [f32; 3] {
+    let v = glam::DVec3::from(n.map(f64::from)).normalize_or(glam::DVec3::Z);
+    [v.x as f32, v.y as f32, v.z as f32]
+}

@@ -1,0 +1,170 @@
+//! Materials and textures.
+
+use crate::description::{Color, ColorSource, Description, Model, Pattern, Texels, Wrap};
+use bytemuck::Zeroable;
+use etendue::blob::format::{self, NONE, Material, Texture, material, needs, texture};
+
+/// Materials, textures and their texels, and what they make the scene need.
+#[derive(Default)]
+pub(super) struct Surfaces {
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    pub texels: Vec<u32>,
+    pub needs: u32,
+}
+
+const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+impl Surfaces {
+    pub fn compile(d: &Description) -> Self {
+        let mut out = Self::default();
+        for t in &d.textures {
+            out.texture(&t.pattern, t.to_uv);
+        }
+        for m in &d.materials {
+            let compiled = out.material(&m.model);
+            out.materials.push(compiled);
+        }
+        out
+    }
+
+    fn texture(&mut self, pattern: &Pattern, to_uv: [[f32; 3]; 2]) {
+        let mut t = Texture { to_uv, texels: self.texels.len() as u32, color: [[1.0; 3]; 2], ..Texture::zeroed() };
+        match pattern {
+            Pattern::Checkerboard { colors } => {
+                t.kind = texture::CHECKERBOARD;
+                t.color = *colors;
+            }
+            Pattern::Bitmap { image, nearest, wrap, alpha } => {
+                (t.width, t.height) = (image.width, image.height);
+                t.flags = if *nearest { texture::NEAREST } else { 0 }
+                    | if *alpha { texture::ALPHA } else { 0 }
+                    | match wrap {
+                        Wrap::Repeat => 0,
+                        Wrap::Clamp => texture::CLAMP,
+                        Wrap::Mirror => texture::MIRROR,
+                    };
+                match &image.texels {
+                    Texels::Srgb8(texels) => {
+                        t.kind = texture::SRGB8;
+                        self.texels.extend(texels.iter().map(|&x| u32::from_le_bytes(x)));
+                    }
+                    Texels::Linear8(texels) => {
+                        t.kind = texture::LINEAR8;
+                        self.texels.extend(texels.iter().map(|&x| u32::from_le_bytes(x)));
+                    }
+                    Texels::Float(texels) => {
+                        t.kind = texture::FLOAT;
+                        self.texels.extend(texels.as_flattened().iter().map(|x| x.clamp(0.0, 1.0).to_bits()));
+                    }
+                }
+            }
+        }
+        self.needs |= needs::TEXTURES;
+        self.textures.push(t);
+    }
+
+    /// A texture that is the same everywhere: how a constant opacity is said.
+    pub fn constant(&mut self, color: Color) -> u32 {
+        self.texture(&Pattern::Checkerboard { colors: [color; 2] }, IDENTITY);
+        self.textures.len() as u32 - 1
+    }
+
+    /// The texture that `source` names, made if it is a constant.
+    pub fn as_texture(&mut self, source: ColorSource) -> u32 {
+        match source {
+            ColorSource::Constant(color) => self.constant(color),
+            ColorSource::Texture(id) => id as u32,
+        }
+    }
+
+    fn material(&mut self, model: &Model) -> Material {
+        let mut m = Material { ior: 1.0, texture: [NONE; 4], ..Material::zeroed() };
+        let set = |m: &mut Material, role: usize, source: ColorSource| match source {
+            ColorSource::Constant(color) => m.color[role] = color,
+            ColorSource::Texture(id) => {
+                m.color[role] = [1.0; 3];
+                m.texture[role] = id as u32;
+            }
+        };
+        match *model {
+            Model::Diffuse { reflectance, transmittance } => {
+                m.kind = material::DIFFUSE;
+                set(&mut m, 0, reflectance);
+                set(&mut m, 1, transmittance);
+                if transmittance != ColorSource::Constant([0.0; 3]) {
+                    self.needs |= needs::TRANSMISSION;
+                }
+            }
+            Model::Mirror { reflectance } => {
+                m.kind = material::MIRROR;
+                set(&mut m, 0, reflectance);
+                self.needs |= needs::DIRAC;
+            }
+            Model::Conductor { eta, k, reflectance } => {
+                m.kind = material::CONDUCTOR;
+                (m.eta, m.k) = (eta, k);
+                set(&mut m, 0, reflectance);
+                self.needs |= needs::DIRAC;
+            }
+            Model::Dielectric { ior, reflectance, transmittance, schlick } => {
+                m.kind = material::DIELECTRIC;
+                m.flags = if schlick { material::SCHLICK } else { 0 };
+                m.ior = ior;
+                set(&mut m, 0, reflectance);
+                set(&mut m, 1, transmittance);
+                self.needs |= needs::DIRAC | needs::TRANSMISSION;
+            }
+            Model::Null => {
+                m.kind = material::NULL;
+                self.needs |= needs::NULL;
+            }
+            Model::Sheet { specular_reflectance, specular_transmittance, diffuse_reflectance, diffuse_transmittance } => {
+                m.kind = material::SHEET;
+                let roles = [specular_reflectance, specular_transmittance, diffuse_reflectance, diffuse_transmittance];
+                for (role, source) in roles.into_iter().enumerate() {
+                    set(&mut m, role, source);
+                }
+                self.needs |= needs::DIRAC | needs::TRANSMISSION;
+            }
+        }
+        m
+    }
+}
+
+/// The camera's record.
+pub(super) fn sensor(s: &crate::description::Sensor) -> format::Sensor {
+    use crate::description::{Filter, Projection};
+    let (kind, half_extent, aperture, focus) = match s.projection {
+        Projection::Perspective { half_tangent, aperture, focus } => {
+            (format::sensor::PERSPECTIVE, half_tangent, aperture, focus)
+        }
+        Projection::Orthographic { half_extent } => (format::sensor::ORTHOGRAPHIC, half_extent, 0.0, 1.0),
+    };
+    let (filter, filter_radius, filter_sigma) = match s.filter {
+        Filter::Box { radius } => (format::sensor::BOX, radius, 0.0),
+        Filter::Tent { radius } => (format::sensor::TENT, radius, 0.0),
+        Filter::Gaussian { sigma, radius } => (format::sensor::GAUSSIAN, radius, sigma),
+    };
+    let [x, y, w, h] = s.crop.unwrap_or([0, 0, s.resolution[0], s.resolution[1]]);
+    format::Sensor {
+        kind,
+        filter,
+        filter_radius,
+        filter_sigma,
+        resolution: s.resolution,
+        crop_offset: [x, y],
+        crop_size: [w, h],
+        half_extent,
+        aperture,
+        focus,
+        clip: s.clip,
+        origin: s.origin,
+        right: s.right,
+        down: s.down,
+        forward: s.forward,
+        medium: NONE,
+        principal: s.principal,
+        reserved: [0; 1],
+    }
+}

@@ -1,0 +1,131 @@
+//! Lights: one file per kind, all of one shape, and the choice among them.
+//!
+//! A light answers four questions:
+//! *incident* — draw light that arrives at a given point (next-event estimation, s = 1);
+//! *emission* — draw light that leaves (the first edge of a light walk, s ≥ 2);
+//! *radiance* — what does a walk see that happens on it (s = 0);
+//! *density* — with what density would the first two have drawn that.
+//!
+//! p_connect(x₀ | y) and p_trace(x₀) differ where a light is sampled better when y is known
+//! (Georgiev 2012, tech. report, §3): [`Incident::trace_over_connect`].
+
+mod area;
+mod choice;
+mod distant;
+mod environment;
+mod point;
+
+pub use area::{connect_density, radiance, trace_density};
+pub use choice::{pick_cell, pick_choice};
+pub use distant::background;
+
+use crate::blob::Scene;
+use crate::blob::format::emitter as kind;
+use crate::real::{INV_PI, Real, Vec3, square};
+use crate::spectrum::Spectrum;
+
+/// Light that arrives at a point y from a point x₀ drawn for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Incident<S> {
+    /// From y towards x₀, unit.
+    pub direction: Vec3,
+    /// From y to x₀; infinite for distant lights.
+    pub distance: Real,
+    /// Radiance that arrives if nothing is in between. Dirac lights: with the Dirac's 1/pdf taken
+    /// care of, so that f·cos·radiance/pdf is the estimate in any case (I/d², or irradiance).
+    pub radiance: S,
+    /// p_connect(x₀ | y) per solid angle at y, choice included; the probability of the choice for Dirac lights.
+    pub pdf: Real,
+    /// Whether a walk can't happen on this light.
+    pub dirac: bool,
+    /// p_trace(x₀)/p_connect(x₀ | y), both in the same measure.
+    pub trace_over_connect: Real,
+    /// A light walk from x₀ has density `emission`·|cos θ_y| per area at y.
+    pub emission: Real,
+}
+
+/// Light that leaves: x₀ and the first edge of a light walk.
+#[derive(Clone, Copy, Debug)]
+pub struct Emission<S> {
+    /// x₀; for distant lights, where the ray enters.
+    pub position: Vec3,
+    /// Where the ray starts (x₀ moved off its surface).
+    pub origin: Vec3,
+    /// Where it goes.
+    pub direction: Vec3,
+    /// Normal at x₀ of an area light.
+    pub normal: Option<Vec3>,
+    /// L_e·cos/(p(x₀)·p(ω)).
+    pub throughput: S,
+    /// L_e towards a sensor that sees x₀, over p_trace(x₀): for the light seen directly (s = t = 1).
+    /// Black for Dirac lights, which nobody sees directly.
+    pub visible: S,
+    /// p_trace(x₀): per area; per solid angle for distant lights; a probability for Dirac ones.
+    pub trace: Real,
+    /// Density of the direction per solid angle; for distant lights, of the ray's place on the disc per area.
+    pub direction_pdf: Real,
+    /// Whether x₀ lies at infinity.
+    pub distant: bool,
+    /// Whether a walk can't happen on this light.
+    pub dirac: bool,
+    /// The emitter.
+    pub emitter: u32,
+    /// area: the primitive.
+    pub primitive: u32,
+}
+
+/// Draws light that arrives at `y`.
+#[inline]
+pub fn incident<S: Spectrum>(
+    scene: &Scene<'_>,
+    y: Vec3,
+    choice: [Real; 2],
+    xi: [Real; 2],
+    more: [Real; 2],
+) -> Option<Incident<S>> {
+    let entry = pick_choice(scene.choices(), choice)?;
+    let emitter = scene.emitter(entry.emitter)?;
+    match emitter.kind {
+        kind::AREA => area::incident(scene, emitter, entry.primitive, y, xi),
+        kind::POINT | kind::SPOT => point::incident(emitter, y),
+        kind::DIRECTIONAL => Some(distant::directional_incident(scene, emitter)),
+        _ => distant::incident(scene, emitter, xi, more),
+    }
+}
+
+/// Draws light that leaves.
+#[inline]
+pub fn emission<S: Spectrum>(
+    scene: &Scene<'_>,
+    choice: [Real; 2],
+    position: [Real; 2],
+    direction: [Real; 2],
+    more: [Real; 2],
+) -> Option<Emission<S>> {
+    let entry = pick_choice(scene.choices(), choice)?;
+    let emitter = scene.emitter(entry.emitter)?;
+    match emitter.kind {
+        kind::AREA => area::emission(scene, emitter, entry.primitive, position, direction),
+        kind::POINT | kind::SPOT => point::emission(emitter, direction),
+        kind::DIRECTIONAL => Some(distant::directional_emission(scene, emitter, position)),
+        _ => distant::emission(scene, emitter, position, direction, more),
+    }
+    .map(|e| Emission { emitter: entry.emitter, primitive: entry.primitive, ..e })
+}
+
+/// p_connect(x₀ | y)/p_trace(x₀) for x₀ of `emission`, both in the same measure.
+#[inline(always)]
+pub fn connect_over_trace<S>(scene: &Scene<'_>, emission: &Emission<S>, y: Vec3) -> Real {
+    match (scene.sphere(emission.primitive), emission.normal) {
+        (Some(sphere), Some(normal)) => {
+            area::connect_over_trace(sphere, emission.position, normal, y)
+        }
+        _ => 1.0,
+    }
+}
+
+/// 1/(πR²): the density, on a disc that covers the scene, of rays from infinity.
+#[inline(always)]
+pub fn disc_density(scene: &Scene<'_>) -> Real {
+    INV_PI / square(Real::from(scene.world().radius))
+}

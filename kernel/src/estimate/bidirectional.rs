@@ -1,0 +1,330 @@
+//! Bidirectional path tracing (Lafortune & Willems 1993; Veach 1997, ch. 10): a walk from a light, a
+//! walk from the sensor, and every way (s, t) of joining a prefix of one to a prefix of the other.
+//!
+//! ```text
+//! s = 0   the sensor walk meets a light          s = 1   a light point drawn anew (next-event estimation)
+//! t = 1   a light vertex seen by the sensor: a splat            else    connect x_{s−1} y_{t−1}
+//! ```
+//!
+//! The light walk is stored; the sensor walk connects as it goes and keeps only what weights need.
+
+use super::light::{Seen, emit, see_light, see_vertex};
+use super::{Scratch, Settings, spread};
+use crate::emitter;
+use crate::path::{Arrival, History, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first, emission_terms};
+use crate::random::{Purpose, Sampler};
+use crate::real::{INV_PI, Real, sqrt, square};
+use crate::sensor::Element;
+use crate::shape::{Ray, Tracer};
+use crate::spectrum::Spectrum;
+use crate::surface::Mode;
+
+/// One sample.
+#[inline(always)]
+pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
+    trace: &mut Trace<'_, '_, T>,
+    settings: &Settings,
+    element: &Element,
+    sampler: &mut P,
+    scratch: &mut Scratch<N, S>,
+    splat: &mut impl FnMut([u32; 2], S),
+) -> S {
+    scratch.light.clear();
+    scratch.links.clear();
+    scratch.sensor.clear();
+    let mut sum = S::BLACK;
+    let limit = settings.limit();
+    if limit > 0 {
+        let mis = super::mis(settings, element.light_paths(trace.scene), N);
+        light_side(trace, limit, &mis, element, sampler, scratch, &mut sum, splat);
+        sensor_side(trace, limit, &mis, element, sampler, scratch, &mut sum);
+    }
+    sum
+}
+
+/// Walks from a light, stores the walk, and joins each of its vertices to the sensor (t = 1).
+#[inline(always)]
+#[allow(clippy::too_many_arguments)] // the two sides of one function
+fn light_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
+    trace: &mut Trace<'_, '_, T>,
+    limit: u32,
+    mis: &Mis,
+    element: &Element,
+    sampler: &mut P,
+    scratch: &mut Scratch<N, S>,
+    sum: &mut S,
+    splat: &mut impl FnMut([u32; 2], S),
+) {
+    let Some(emission) = emit::<S, T, P>(trace, sampler) else {
+        return;
+    };
+    let scene = trace.scene;
+    let x0 = emission_terms(&emission);
+    let _ = scratch.links.push(link(&x0));
+    let mut see = |seen: Option<Seen<S>>, terms: &Terms, links: &[Link], none: &History<N>| {
+        let Some(seen) = seen else { return };
+        let junction = Junction {
+            light_vertices: links.len(),
+            sensor_vertices: 1,
+            x_ratio: seen.density / (terms.forward * mis.light_paths),
+            x_reverse: seen.reverse,
+            ..Junction::default()
+        };
+        let weight = mis.weight(&junction, terms, &Terms::default(), links, none);
+        spread(scene, element, seen.projection.raster, seen.value * weight, sum, splat);
+    };
+    if mis.light_paths > 0.0 {
+        let seen = see_light(trace, element, &emission, sampler);
+        see(seen, &x0, &scratch.links, &scratch.sensor);
+    }
+    let mut walk = Walk::from_light(&emission);
+    // x_i is joined to the sensor by a path of i + 1 edges.
+    while walk.edges < limit {
+        if scratch.links.is_full() {
+            trace.counters.full_walks += 1;
+            return;
+        }
+        let Arrival::Vertex(mut vertex, _) = walk.arrive(trace, sampler, mis) else {
+            return;
+        };
+        if walk.edges == 1 {
+            connect_first(trace, &emission, vertex.point.position, &mut vertex.terms);
+        }
+        let _ = scratch.links.push(link(&vertex.terms));
+        let _ = scratch.light.push(vertex);
+        if mis.light_paths > 0.0 {
+            let seen = see_vertex(trace, element, &vertex, sampler);
+            see(seen, &vertex.terms, &scratch.links, &scratch.sensor);
+        }
+        let Some(step) = walk.leave(&vertex, sampler) else {
+            return;
+        };
+        if let [.., before, last] = scratch.links.as_mut_slice() {
+            last.dirac = step.dirac;
+            before.reverse = step.pdf_reverse * vertex.terms.back;
+        }
+    }
+}
+
+/// Walks from the sensor and joins each of its vertices to the light (s = 0, 1) and to the light walk (s ≥ 2).
+#[inline(always)]
+fn sensor_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
+    trace: &mut Trace<'_, '_, T>,
+    limit: u32,
+    mis: &Mis,
+    element: &Element,
+    sampler: &mut P,
+    scratch: &mut Scratch<N, S>,
+    sum: &mut S,
+) {
+    let start = element.start(trace.scene, sampler);
+    let mut walk = Walk::<S>::from_sensor(&start, mis.light_paths);
+    let mut from = start.ray.origin;
+    loop {
+        let (vertex, distance) = match walk.arrive(trace, sampler, mis) {
+            Arrival::Vertex(vertex, distance) => (vertex, distance),
+            Arrival::Escaped(terms) => {
+                scratch.sensor.push(link(&terms));
+                *sum += escaped(trace, mis, &walk, &terms, &scratch.sensor);
+                return;
+            }
+            Arrival::Cut => return,
+        };
+        scratch.sensor.push(link(&vertex.terms));
+        *sum += met_light(trace, mis, &walk, &vertex, from, distance, &scratch.sensor);
+        if walk.edges >= limit {
+            return;
+        }
+        if vertex.surface.has_smooth() {
+            let t = walk.edges as usize + 1;
+            *sum += next_event(trace, mis, &vertex, t, sampler, &scratch.sensor);
+            for (i, x) in scratch.light.iter().enumerate() {
+                // s = i + 2 light vertices and t sensor vertices make s + t − 1 edges.
+                if walk.edges as usize + i + 2 > limit as usize {
+                    break;
+                }
+                if x.surface.has_smooth() {
+                    *sum += connect(trace, mis, x, &vertex, i + 2, t, &scratch.links, &scratch.sensor);
+                }
+            }
+        }
+        let Some(step) = walk.leave(&vertex, sampler) else {
+            return;
+        };
+        if let Some(last) = scratch.sensor.recent(0) {
+            last.dirac = step.dirac;
+        }
+        if let Some(before) = scratch.sensor.recent(1) {
+            before.reverse = step.pdf_reverse * vertex.terms.back;
+        }
+        from = vertex.point.position;
+    }
+}
+
+#[inline(always)]
+fn link(terms: &Terms) -> Link {
+    Link {
+        forward: terms.forward,
+        reverse: 0.0,
+        a: terms.a,
+        dirac: false,
+    }
+}
+
+/// s = 0 at infinity.
+#[inline(always)]
+fn escaped<S: Spectrum, T: Tracer, const N: usize>(
+    trace: &Trace<'_, '_, T>,
+    mis: &Mis,
+    walk: &Walk<S>,
+    terms: &Terms,
+    sensor: &History<N>,
+) -> S {
+    let Some((radiance, density)) = emitter::background::<S>(trace.scene, walk.ray.direction) else {
+        return S::BLACK;
+    };
+    let junction = Junction {
+        light_vertices: 0,
+        sensor_vertices: walk.edges as usize + 1,
+        y_ratio: density / terms.forward,
+        y_later: 1.0,
+        y_reverse: emitter::disc_density(trace.scene),
+        ..Junction::default()
+    };
+    let weight = mis.weight(&junction, &Terms::default(), terms, &[], sensor);
+    walk.throughput * radiance * weight
+}
+
+/// s = 0 on a surface.
+#[inline(always)]
+fn met_light<S: Spectrum, T: Tracer, const N: usize>(
+    trace: &Trace<'_, '_, T>,
+    mis: &Mis,
+    walk: &Walk<S>,
+    y: &Vertex<S>,
+    from: crate::real::Vec3,
+    distance: Real,
+    sensor: &History<N>,
+) -> S {
+    let scene = trace.scene;
+    let Some(e) = scene.shape(y.point.shape).and_then(|s| scene.emitter(s.emitter)) else {
+        return S::BLACK;
+    };
+    let radiance = emitter::radiance::<S>(e, &y.point, y.previous);
+    if radiance.is_black() {
+        return S::BLACK;
+    }
+    let cos = y.previous.dot(y.point.normal).abs();
+    let traced = emitter::trace_density(e);
+    // Seen directly, the other strategy is s = t = 1, whose light point comes from a light walk.
+    let connected = if walk.edges == 1 {
+        traced
+    } else {
+        emitter::connect_density(scene, e, &y.point, from, walk.ray.direction, distance) * cos / square(distance)
+    };
+    let junction = Junction {
+        light_vertices: 0,
+        sensor_vertices: walk.edges as usize + 1,
+        y_ratio: connected / y.terms.forward,
+        y_later: traced / connected,
+        y_reverse: cos * INV_PI,
+        ..Junction::default()
+    };
+    let weight = mis.weight(&junction, &Terms::default(), &y.terms, &[], sensor);
+    walk.throughput * radiance * weight
+}
+
+/// s = 1: a light point drawn for y.
+#[inline(always)]
+fn next_event<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
+    trace: &mut Trace<'_, '_, T>,
+    mis: &Mis,
+    y: &Vertex<S>,
+    t: usize,
+    sampler: &mut P,
+    sensor: &History<N>,
+) -> S {
+    let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
+    let more = sampler.two(Purpose::Emission);
+    let Some(light) = emitter::incident::<S>(trace.scene, y.point.position, choice, xi, more) else {
+        return S::BLACK;
+    };
+    let Some(joint) = y.join(light.direction, Mode::Radiance) else {
+        return S::BLACK;
+    };
+    let free = trace.visibility(Ray {
+        origin: y.point.leave(light.direction),
+        direction: light.direction,
+        t_min: 0.0,
+        t_max: light.distance,
+    });
+    if free <= 0.0 {
+        return S::BLACK;
+    }
+    let cos = light.direction.dot(y.point.normal).abs();
+    let x0 = Terms { forward: 1.0, a: if light.dirac { 0.0 } else { 1.0 }, ..Terms::default() };
+    let junction = Junction {
+        light_vertices: 1,
+        sensor_vertices: t,
+        x_ratio: joint.pdf / light.pdf,
+        x_reverse: 0.0,
+        y_ratio: light.trace_over_connect * light.emission * cos / y.terms.forward,
+        y_later: 1.0,
+        y_reverse: joint.pdf_reverse,
+    };
+    let weight = mis.weight(&junction, &x0, &y.terms, &[link(&x0)], sensor);
+    y.throughput * joint.value * light.radiance * (weight * free / light.pdf)
+}
+
+/// s ≥ 2, t ≥ 2: joins x and y.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)] // both ends, with their histories
+fn connect<S: Spectrum, T: Tracer, const N: usize>(
+    trace: &mut Trace<'_, '_, T>,
+    mis: &Mis,
+    x: &Vertex<S>,
+    y: &Vertex<S>,
+    s: usize,
+    t: usize,
+    light: &[Link],
+    sensor: &History<N>,
+) -> S {
+    let to_x = x.point.position - y.point.position;
+    let squared = to_x.dot(to_x);
+    if squared <= 0.0 {
+        return S::BLACK;
+    }
+    let direction = to_x * (1.0 / sqrt(squared));
+    let Some(at_y) = y.join(direction, Mode::Radiance) else {
+        return S::BLACK;
+    };
+    let Some(at_x) = x.join(-direction, Mode::Importance) else {
+        return S::BLACK;
+    };
+    // From y's side of its surface to x's side of its own.
+    let (origin, end) = (y.point.leave(direction), x.point.leave(-direction));
+    let segment = end - origin;
+    let length = sqrt(segment.dot(segment));
+    let free = trace.visibility(Ray {
+        origin,
+        direction: segment * (1.0 / length),
+        t_min: 0.0,
+        t_max: length,
+    });
+    if !(free > 0.0) {
+        return S::BLACK;
+    }
+    let inverse_square = 1.0 / squared;
+    let (cos_x, cos_y) = (direction.dot(x.point.normal).abs(), direction.dot(y.point.normal).abs());
+    let junction = Junction {
+        light_vertices: s,
+        sensor_vertices: t,
+        x_ratio: at_y.pdf * cos_x * inverse_square / x.terms.forward,
+        x_reverse: at_x.pdf_reverse,
+        y_ratio: at_x.pdf * cos_y * inverse_square / y.terms.forward,
+        y_later: 1.0,
+        y_reverse: at_y.pdf_reverse,
+    };
+    let weight = mis.weight(&junction, &x.terms, &y.terms, light, sensor);
+    x.throughput * at_x.value * y.throughput * at_y.value * (inverse_square * weight * free)
+}

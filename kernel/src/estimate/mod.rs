@@ -1,0 +1,238 @@
+//! Estimators, one file each, and what an embedder calls.
+//!
+//! Every estimate is a pure function of (scene, settings, element, index): the same bits on every
+//! machine, whatever ran before it (`architecture.md`, law 3).
+
+mod bidirectional;
+mod light;
+mod path;
+
+use crate::blob::Scene;
+use crate::path::{Counters, Heuristic, History, Link, Mis, Trace, Vertex};
+use crate::random::{Pcg, Sampler};
+use crate::real::{Real, Vec3, gamma};
+use crate::sensor::{Element, Footprint};
+use crate::shape::{Instructions, Ray, Tracer};
+use crate::spectrum::{Rgb, Spectrum};
+
+/// How light is estimated (`transport.md` §7).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Estimator {
+    /// A walk from the sensor; at each vertex a light is sampled as well (Kajiya 1986).
+    #[default]
+    Path,
+    /// A walk from a light; each vertex is joined to the sensor. It can't see mirrors or glass directly.
+    Light,
+    /// Both walks and all connections between them (Lafortune & Willems 1993, Veach 1997).
+    Bidirectional,
+}
+
+/// What is the same for all samples of a render.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Settings {
+    /// How.
+    pub estimator: Estimator,
+    /// How strategies share a path.
+    pub heuristic: Heuristic,
+    /// The most edges of a path (1: emitters seen directly, 2: direct light, …); `None`: no limit.
+    pub max_edges: Option<u32>,
+    /// Selects the random numbers.
+    pub seed: u64,
+    /// Weights always by the explicit ratio walk: slower, the same to rounding. For tests.
+    pub explicit_weights: bool,
+}
+
+impl Settings {
+    #[inline(always)]
+    fn limit(&self) -> u32 {
+        self.max_edges.unwrap_or(u32::MAX)
+    }
+}
+
+/// Memory that an estimate works in, owned by the caller: `N` bounds the light walk's vertices (strategies
+/// with more don't exist), not the length of paths.
+#[derive(Clone, Debug)]
+pub struct Scratch<const N: usize = 32, S: Spectrum = Rgb> {
+    light: heapless::Vec<Vertex<S>, N>,
+    links: heapless::Vec<Link, N>,
+    sensor: History<N>,
+    /// What happened since the caller last set this to its default.
+    pub counters: Counters,
+}
+
+impl<const N: usize, S: Spectrum> Scratch<N, S> {
+    /// Empty.
+    pub const fn new() -> Self {
+        Self {
+            light: heapless::Vec::new(),
+            links: heapless::Vec::new(),
+            sensor: History::new(),
+            counters: Counters::ZERO,
+        }
+    }
+}
+
+impl<const N: usize, S: Spectrum> Default for Scratch<N, S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Scene<'_> {
+    /// One sample of `pixel` (column, row of the image): returns radiance, and reports what the sample
+    /// adds to other pixels through `splat`. With n samples per pixel,
+    ///
+    /// ```text
+    /// pixel = (sum of its returned values + sum of splats to it) / n
+    /// ```
+    ///
+    /// `index` counts the samples of a pixel. Values are finite and ≥ 0.
+    pub fn estimate<const N: usize>(
+        &self,
+        settings: &Settings,
+        pixel: [u32; 2],
+        index: u64,
+        scratch: &mut Scratch<N>,
+        splat: &mut impl FnMut([u32; 2], Rgb),
+    ) -> Rgb {
+        let id = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
+        let sampler = &mut Pcg::new(settings.seed, id, index);
+        self.dispatch(settings, &Element::Pixel(pixel), sampler, scratch, splat)
+    }
+
+    /// One sample of the radiance that arrives at `origin` from `direction` (unit). `id` and `index`
+    /// select the random numbers: the same pair gives the same bits. A light walk can't meet a ray, so
+    /// [`Estimator::Light`] is answered by [`Estimator::Path`].
+    pub fn radiance<const N: usize>(
+        &self,
+        settings: &Settings,
+        origin: Vec3,
+        direction: Vec3,
+        id: u64,
+        index: u64,
+        scratch: &mut Scratch<N>,
+    ) -> Rgb {
+        let ray = Ray { origin, direction, t_min: 0.0, t_max: Real::INFINITY };
+        let mut settings = *settings;
+        if settings.estimator == Estimator::Light {
+            settings.estimator = Estimator::Path;
+        }
+        let sampler = &mut Pcg::new(settings.seed, id, index);
+        self.dispatch(&settings, &Element::Ray(ray), sampler, scratch, &mut |_, _| ())
+    }
+
+    /// One sample of the irradiance at `position` on the side of `normal` (unit): a texel of a light
+    /// map, a probe. The position may lie on the scene's geometry.
+    pub fn irradiance<const N: usize>(
+        &self,
+        settings: &Settings,
+        position: Vec3,
+        normal: Vec3,
+        id: u64,
+        index: u64,
+        scratch: &mut Scratch<N>,
+    ) -> Rgb {
+        // Off the geometry, by what rounding may have put the caller's point beneath it.
+        let offset = 4.0 * gamma(7) * position.abs().dot(normal.abs());
+        let element = Element::Irradiance { position: position + normal * offset, normal };
+        let sampler = &mut Pcg::new(settings.seed, id, index);
+        self.dispatch(settings, &element, sampler, scratch, &mut |_, _| ())
+    }
+
+    /// Runs the estimator in the instance compiled for this scene's instruction set.
+    #[inline]
+    fn dispatch<const N: usize>(
+        &self,
+        settings: &Settings,
+        element: &Element,
+        sampler: &mut Pcg,
+        scratch: &mut Scratch<N>,
+        splat: &mut impl FnMut([u32; 2], Rgb),
+    ) -> Rgb {
+        match self.isa() {
+            Instructions::Scalar(isa) => {
+                estimate_with(self, &self.tracer(isa), settings, element, sampler, scratch, splat)
+            }
+            #[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+            Instructions::Sse2(isa) => {
+                estimate_with(self, &self.tracer(isa), settings, element, sampler, scratch, splat)
+            }
+            #[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+            Instructions::Avx2(isa) => {
+                estimate_with(self, &self.tracer(isa), settings, element, sampler, scratch, splat)
+            }
+        }
+    }
+}
+
+/// One sample of `element`, with geometry answered by `tracer` and numbers by `sampler`: the general form of
+/// [`Scene::estimate`], for engines that bring their own.
+pub fn estimate_with<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
+    scene: &Scene<'_>,
+    tracer: &T,
+    settings: &Settings,
+    element: &Element,
+    sampler: &mut P,
+    scratch: &mut Scratch<N, S>,
+    splat: &mut impl FnMut([u32; 2], Rgb),
+) -> Rgb {
+    let mut trace = Trace::new(scene, tracer);
+    let mut rejected = 0;
+    let value = {
+        let splat = &mut |pixel, value: S| match accept(value) {
+            Some(v) => splat(pixel, v),
+            None => rejected += 1,
+        };
+        match settings.estimator {
+            Estimator::Path => path::estimate::<S, T, P>(&mut trace, settings, element, sampler),
+            Estimator::Light => light::estimate(&mut trace, settings, element, sampler, splat),
+            Estimator::Bidirectional => {
+                bidirectional::estimate(&mut trace, settings, element, sampler, scratch, splat)
+            }
+        }
+    };
+    let value = accept(value);
+    trace.counters.rejected += rejected + u64::from(value.is_none());
+    scratch.counters += trace.counters;
+    value.unwrap_or(Rgb::BLACK)
+}
+
+/// No NaN, infinity or negative value leaves an estimator.
+#[inline(always)]
+fn accept<S: Spectrum>(value: S) -> Option<Rgb> {
+    let rgb = value.to_rgb();
+    let fine = |x: Real| (0.0..Real::INFINITY).contains(&x);
+    (fine(rgb.r) && fine(rgb.g) && fine(rgb.b)).then_some(rgb)
+}
+
+/// The weights' settings for one element.
+#[inline(always)]
+fn mis(settings: &Settings, light_paths: Real, capacity: usize) -> Mis {
+    Mis {
+        heuristic: settings.heuristic,
+        light_paths,
+        capacity,
+        explicit: settings.explicit_weights,
+    }
+}
+
+/// Hands a contribution of a strategy with t = 1 to the pixels that see it: `own` collects it where
+/// the element is no pixel. A light walk counts for the whole image, so each pixel gets 1/n of it.
+#[inline(always)]
+fn spread<S: Spectrum>(
+    scene: &Scene<'_>,
+    element: &Element,
+    raster: [Real; 2],
+    value: S,
+    own: &mut S,
+    splat: &mut impl FnMut([u32; 2], S),
+) {
+    match element {
+        Element::Pixel(_) => {
+            let value = value * (1.0 / element.light_paths(scene));
+            let sensor = scene.sensor();
+            Footprint::around(sensor, raster).for_each(sensor, |pixel, filter| splat(pixel, value * filter));
+        }
+        _ => *own += value,
+    }
+}

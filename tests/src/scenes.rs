@@ -1,0 +1,173 @@
+//! Scenes in code: descriptions that tests build, piece by piece.
+
+use etendue_host::description::{
+    Color, ColorSource, Description, Emitter, EmitterKind, Geometry, Material, Mesh, Model, Place,
+    Projection, Sensor, Shape,
+};
+
+/// A point or direction.
+pub type V = [f32; 3];
+
+/// A scene under construction.
+#[derive(Clone, Default)]
+pub struct Builder {
+    /// What has been built so far.
+    pub description: Description,
+}
+
+impl Builder {
+    /// Nothing yet, and a 16×16 image.
+    pub fn new() -> Self {
+        let mut b = Self::default();
+        b.description.sensor.resolution = [16, 16];
+        b
+    }
+
+    /// A camera at `eye` that looks at `target`; `fov` across the image in degrees.
+    pub fn camera(mut self, eye: V, target: V, up: V, fov: f32, resolution: [u32; 2]) -> Self {
+        let v = |a: V| glam::Vec3::from(a);
+        let forward = (v(target) - v(eye)).normalize();
+        let right = forward.cross(v(up)).normalize();
+        let down = forward.cross(right);
+        let tangent = (0.5 * fov.to_radians()).tan();
+        self.description.sensor = Sensor {
+            projection: Projection::Perspective {
+                half_tangent: [tangent, tangent * resolution[1] as f32 / resolution[0] as f32],
+                aperture: 0.0,
+                focus: 1.0,
+            },
+            origin: eye,
+            right: right.into(),
+            down: down.into(),
+            forward: forward.into(),
+            clip: [1e-4, 1e6],
+            resolution,
+            ..Sensor::default()
+        };
+        self
+    }
+
+    /// Adds a local model.
+    pub fn material(&mut self, model: Model) -> usize {
+        let name = format!("material {}", self.description.materials.len());
+        self.description.materials.push(Material { name, model });
+        self.description.materials.len() - 1
+    }
+
+    /// Adds a diffuse reflector.
+    pub fn diffuse(&mut self, reflectance: Color) -> usize {
+        self.material(Model::Diffuse {
+            reflectance: ColorSource::Constant(reflectance),
+            transmittance: ColorSource::Constant([0.0; 3]),
+        })
+    }
+
+    /// Adds a smooth dielectric.
+    pub fn glass(&mut self, ior: f32) -> usize {
+        self.material(Model::Dielectric {
+            ior,
+            reflectance: ColorSource::Constant([1.0; 3]),
+            transmittance: ColorSource::Constant([1.0; 3]),
+            schlick: false,
+        })
+    }
+
+    /// Adds a mirror.
+    pub fn mirror(&mut self, reflectance: f32) -> usize {
+        self.material(Model::Mirror { reflectance: ColorSource::Constant([reflectance; 3]) })
+    }
+
+    /// Adds an object; both sides have `material`.
+    pub fn shape(&mut self, geometry: Geometry, material: Option<usize>) -> &mut Shape {
+        let name = format!("shape {}", self.description.shapes.len());
+        self.description.shapes.push(Shape {
+            name,
+            place: Place::default(),
+            geometry,
+            front: material,
+            back: material,
+            emission: None,
+            opacity: None,
+        });
+        self.description.shapes.last_mut().unwrap()
+    }
+
+    /// Adds a parallelogram `corner` + s·`a` + t·`b`; its normal is a × b.
+    pub fn quad(&mut self, corner: V, a: V, b: V, material: Option<usize>) -> &mut Shape {
+        let add = |p: V, q: V| std::array::from_fn(|i| p[i] + q[i]);
+        let positions = vec![corner, add(corner, a), add(add(corner, a), b), add(corner, b)];
+        let mesh = Mesh {
+            positions,
+            normals: None,
+            uvs: Some(vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        };
+        self.shape(Geometry::Mesh(mesh), material)
+    }
+
+    /// Adds an axis-aligned box; normals point outwards, or inwards if `inside`.
+    pub fn cuboid(&mut self, low: V, high: V, inside: bool, material: Option<usize>) -> &mut Shape {
+        let corner = |i: usize| -> V { std::array::from_fn(|a| if i >> a & 1 == 0 { low[a] } else { high[a] }) };
+        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let mut mesh = Mesh::default();
+        for face in faces {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(face.map(corner));
+            for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
+                mesh.triangles.push(if inside { [first + a, first + c, first + b] } else { [first + a, first + b, first + c] });
+            }
+        }
+        self.shape(Geometry::Mesh(mesh), material)
+    }
+
+    /// Adds an exact sphere.
+    pub fn sphere(&mut self, center: V, radius: f32, material: Option<usize>) -> &mut Shape {
+        self.shape(Geometry::Sphere { center, radius, flipped: false }, material)
+    }
+
+    /// Adds a light that isn't a shape.
+    pub fn light(&mut self, kind: EmitterKind) {
+        self.description.emitters.push(Emitter { name: "light".into(), kind });
+    }
+
+    /// Everything scaled by `k` and then moved by `by`: what radiance shouldn't notice (point lights aside).
+    pub fn transformed(mut self, k: f32, by: V) -> Self {
+        let place = |p: &mut V| *p = std::array::from_fn(|i| p[i] * k + by[i]);
+        for s in &mut self.description.shapes {
+            match &mut s.geometry {
+                Geometry::Mesh(m) => m.positions.iter_mut().for_each(place),
+                Geometry::Sphere { center, radius, .. } => {
+                    place(center);
+                    *radius *= k;
+                }
+            }
+        }
+        let sensor = &mut self.description.sensor;
+        place(&mut sensor.origin);
+        sensor.clip = sensor.clip.map(|c| c * k);
+        match &mut sensor.projection {
+            Projection::Perspective { aperture, focus, .. } => {
+                *aperture *= k;
+                *focus *= k;
+            }
+            Projection::Orthographic { half_extent } => *half_extent = half_extent.map(|h| h * k),
+        }
+        self
+    }
+}
+
+/// A small room: diffuse walls, a lamp under the ceiling, and what `furnish` puts into it.
+pub fn room(furnish: impl FnOnce(&mut Builder)) -> Builder {
+    let mut b = Builder::new().camera([0.0, -3.4, 1.0], [0.0, 0.0, 0.9], [0.0, 0.0, 1.0], 40.0, [16, 16]);
+    let white = Some(b.diffuse([0.7, 0.7, 0.7]));
+    let red = Some(b.diffuse([0.6, 0.1, 0.1]));
+    let green = Some(b.diffuse([0.1, 0.6, 0.1]));
+    b.quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], white);
+    b.quad([-1.0, -1.0, 2.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], white);
+    b.quad([-1.0, 1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], white);
+    b.quad([-1.0, -1.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0], red);
+    b.quad([1.0, -1.0, 0.0], [0.0, 0.0, 2.0], [0.0, 2.0, 0.0], green);
+    b.quad([-0.3, -0.3, 1.98], [0.0, 0.6, 0.0], [0.6, 0.0, 0.0], white).emission = Some([9.0, 8.0, 6.0]);
+    furnish(&mut b);
+    b
+}
