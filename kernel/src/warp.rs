@@ -1,11 +1,158 @@
-//! stub
-use crate::real::*;
-pub fn disc(xi: [Real; 2]) -> [Real; 2] { let r = sqrt(xi[0]); let p = 2.0*PI*xi[1]; [r*cos(p), r*sin(p)] }
-pub fn cosine_hemisphere(xi: [Real; 2]) -> Vec3 { let [x,y]=disc(xi); Vec3::new(x,y,safe_sqrt(1.0-x*x-y*y)) }
-pub fn sphere(xi: [Real; 2]) -> Vec3 { let z=1.0-2.0*xi[0]; let r=safe_sqrt(1.0-z*z); let p=2.0*PI*xi[1]; Vec3::new(r*cos(p),r*sin(p),z) }
-pub fn cone(omc: Real, xi: [Real; 2]) -> Vec3 { let h=omc*xi[0]; let r=safe_sqrt(h*(2.0-h)); let p=2.0*PI*xi[1]; Vec3::new(r*cos(p),r*sin(p),1.0-h) }
-pub fn triangle(xi: [Real; 2]) -> [Real; 2] { let s=sqrt(xi[0]); [s*(1.0-xi[1]), s*xi[1]] }
-pub fn tent(r: Real, x: Real) -> Real { if x<0.5 { r*(sqrt(2.0*x)-1.0)} else { r*(1.0-sqrt(2.0*(1.0-x)))} }
-pub fn tent_pdf(r: Real, x: Real) -> Real { let a=x.abs()/r; if a<1.0 {(1.0-a)/r} else {0.0} }
-pub fn gaussian(r: Real, _s: Real, x: Real) -> Real { tent(r,x) }
-pub fn gaussian_pdf(r: Real, _s: Real, x: Real) -> Real { tent_pdf(r,x) }
+//! From numbers in [0, 1) to points and directions, with their densities.
+//!
+//! Everything accepts 0 and the largest number below 1 and answers with finite numbers.
+
+use crate::real::{INV_PI, PI, Real, Vec3, cos, exp, safe_sqrt, sin, sqrt};
+
+/// Uniform in the unit disc: concentric, so that neighbours stay neighbours (Shirley & Chiu 1997).
+#[inline(always)]
+pub fn disc(xi: [Real; 2]) -> [Real; 2] {
+    let (x, y) = (2.0 * xi[0] - 1.0, 2.0 * xi[1] - 1.0);
+    if x == 0.0 && y == 0.0 {
+        return [0.0, 0.0];
+    }
+    let (r, phi) = if x.abs() > y.abs() {
+        (x, 0.25 * PI * (y / x))
+    } else {
+        (y, 0.5 * PI - 0.25 * PI * (x / y))
+    };
+    [r * cos(phi), r * sin(phi)]
+}
+
+/// Directions about +z with density cos θ/π: the disc lifted onto the hemisphere (Malley).
+#[inline(always)]
+pub fn cosine_hemisphere(xi: [Real; 2]) -> Vec3 {
+    let [x, y] = disc(xi);
+    Vec3::new(x, y, safe_sqrt(1.0 - x * x - y * y))
+}
+
+/// Density of [`cosine_hemisphere`] per solid angle.
+#[inline(always)]
+pub fn cosine_hemisphere_pdf(cos: Real) -> Real {
+    if cos > 0.0 { cos * INV_PI } else { 0.0 }
+}
+
+/// Directions with density 1/4π.
+#[inline(always)]
+pub fn sphere(xi: [Real; 2]) -> Vec3 {
+    let z = 1.0 - 2.0 * xi[0];
+    // 1 − z² as a product of what doesn't cancel near the poles.
+    let r = 2.0 * sqrt(xi[0] * (1.0 - xi[0]));
+    let phi = 2.0 * PI * xi[1];
+    Vec3::new(r * cos(phi), r * sin(phi), z)
+}
+
+/// Directions about +z within the cone of half-angle θ, given 1 − cos θ: uniform per solid angle, and
+/// without cancellation however narrow the cone.
+#[inline(always)]
+pub fn cone(one_minus_cos: Real, xi: [Real; 2]) -> Vec3 {
+    let h = one_minus_cos * xi[0];
+    let r = safe_sqrt(h * (2.0 - h));
+    let phi = 2.0 * PI * xi[1];
+    Vec3::new(r * cos(phi), r * sin(phi), 1.0 - h)
+}
+
+/// Barycentric weights of vertices 1 and 2, uniform over a triangle (Heitz 2019, "A low-distortion map").
+#[inline(always)]
+pub fn triangle(xi: [Real; 2]) -> [Real; 2] {
+    let [a, b] = xi;
+    if b > a {
+        let u = 0.5 * a;
+        [u, b - u]
+    } else {
+        let v = 0.5 * b;
+        [a - v, v]
+    }
+}
+
+/// A tent of half-width `radius`: density (1 − |x|/r)/r.
+#[inline(always)]
+pub fn tent(radius: Real, xi: Real) -> Real {
+    let offset = if xi < 0.5 { sqrt(2.0 * xi) - 1.0 } else { 1.0 - sqrt(2.0 * (1.0 - xi)) };
+    radius * offset
+}
+
+/// Density of [`tent`].
+#[inline(always)]
+pub fn tent_pdf(radius: Real, x: Real) -> Real {
+    let t = 1.0 - x.abs() / radius;
+    if t > 0.0 { t / radius } else { 0.0 }
+}
+
+/// A Gaussian of standard deviation σ, shifted down to reach 0 at ±`radius` and cut there:
+/// f(x) = e^(−x²/2σ²) − e^(−r²/2σ²).
+#[derive(Clone, Copy, Debug)]
+pub struct Gaussian {
+    radius: Real,
+    /// 1/(2σ²).
+    inverse: Real,
+    /// f before the shift, at the radius.
+    floor: Real,
+    /// ∫₀ʳ f.
+    half: Real,
+}
+
+/// Pieces of the quadrature over the whole radius.
+const PIECES: Real = 31.0;
+/// Steps of the bisection: down to 2⁻³⁰ of the radius.
+const BISECTIONS: u32 = 30;
+
+impl Gaussian {
+    /// With half-width `radius`.
+    #[inline]
+    pub fn new(radius: Real, sigma: Real) -> Self {
+        let inverse = 0.5 / (sigma * sigma);
+        let mut g = Self { radius, inverse, floor: exp(-radius * radius * inverse), half: 1.0 };
+        g.half = g.integral(0.0, radius);
+        g
+    }
+
+    /// f.
+    #[inline(always)]
+    fn value(&self, x: Real) -> Real {
+        let f = exp(-x * x * self.inverse) - self.floor;
+        if x.abs() < self.radius && f > 0.0 { f } else { 0.0 }
+    }
+
+    /// Density.
+    #[inline]
+    pub fn pdf(&self, x: Real) -> Real {
+        0.5 * self.value(x) / self.half
+    }
+
+    /// Draws x by inverting the distribution: bisection down to the last bit, always the same work.
+    #[inline]
+    pub fn sample(&self, xi: Real) -> Real {
+        let signed = 2.0 * xi - 1.0;
+        let target = signed.abs() * self.half;
+        let (mut low, mut high) = (0.0, self.radius);
+        let mut below = 0.0;
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            let part = self.integral(low, middle);
+            if below + part < target {
+                below += part;
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        (0.5 * (low + high)).copysign(signed)
+    }
+
+    /// ∫ f by the composite three-point Gauss–Legendre rule (degree 5, so the error falls with step⁶), with
+    /// pieces of at most 1/32 of the radius.
+    #[inline]
+    fn integral(&self, from: Real, to: Real) -> Real {
+        const NODE: Real = 0.774_596_669_241_483_4;
+        let count = ((to - from) / self.radius * PIECES) as u32 + 1;
+        let h = (to - from) / count as Real;
+        let step = 0.5 * h * NODE;
+        let mut sum = 0.0;
+        for i in 0..count {
+            let middle = from + (i as Real + 0.5) * h;
+            sum += 5.0 * (self.value(middle - step) + self.value(middle + step)) + 8.0 * self.value(middle);
+        }
+        sum * h / 18.0
+    }
+}

@@ -17,7 +17,7 @@ use crate::real::{INV_PI, Real, sqrt, square};
 use crate::sensor::Element;
 use crate::shape::{Ray, Tracer};
 use crate::spectrum::Spectrum;
-use crate::surface::Mode;
+use crate::surface::{Local, Mode};
 
 /// One sample.
 #[inline(always)]

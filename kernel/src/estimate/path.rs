@@ -9,7 +9,7 @@ use crate::real::{Real, Vec3, square};
 use crate::sensor::Element;
 use crate::shape::{Ray, Tracer};
 use crate::spectrum::Spectrum;
-use crate::surface::Mode;
+use crate::surface::{Local, Mode};
 
 /// One sample.
 #[inline(always)]

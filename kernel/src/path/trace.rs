@@ -8,7 +8,7 @@ use crate::random::{Purpose, Sampler};
 use crate::real::Real;
 use crate::shape::{Point, Ray, Tracer};
 use crate::spectrum::Spectrum;
-use crate::surface;
+
 
 /// The most surfaces that a walk, or a connection, meets or passes. The only cut there is; reaching it
 /// is counted ([`Counters::cut_walks`]).
@@ -178,7 +178,7 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
         if shape.opacity == NONE {
             return 1.0;
         }
-        surface::opacity(self.scene.texture_view(), shape.opacity, point.uv)
+        self.scene.texture_view().opacity(shape.opacity, point.uv)
     }
 
     /// Whether the side that the ray arrives at is a null boundary.

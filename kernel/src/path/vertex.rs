@@ -9,7 +9,7 @@ use crate::random::{Purpose, Sampler};
 use crate::real::{Frame, Real, Vec3};
 use crate::shape::Point;
 use crate::spectrum::Spectrum;
-use crate::surface::{Mode, Surface};
+use crate::surface::{Local, Mode, Surface};
 
 /// A vertex of a walk, with what the weights need of the walk so far.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 
 use crate::blob::format::{Sensor, sensor as kind};
 use crate::real::Real;
-use crate::warp;
+use crate::warp::{self, Gaussian};
 
 /// A continuous position in the full image, drawn from the filter of `pixel` (of the crop window).
 #[inline(always)]
@@ -12,7 +12,7 @@ pub(super) fn sample(s: &Sensor, pixel: [u32; 2], xi: [Real; 2]) -> [Real; 2] {
     let offset = xi.map(|x| match s.filter {
         kind::BOX => (2.0 * x - 1.0) * radius,
         kind::TENT => warp::tent(radius, x),
-        _ => warp::gaussian(radius, Real::from(s.filter_sigma), x),
+        _ => Gaussian::new(radius, Real::from(s.filter_sigma)).sample(x),
     });
     let center = |axis: usize| (s.crop_offset[axis] + pixel[axis]) as Real + 0.5;
     [center(0) + offset[0], center(1) + offset[1]]
@@ -25,7 +25,7 @@ fn density(s: &Sensor, x: Real) -> Real {
     match s.filter {
         kind::BOX => 0.5 / radius,
         kind::TENT => warp::tent_pdf(radius, x),
-        _ => warp::gaussian_pdf(radius, Real::from(s.filter_sigma), x),
+        _ => Gaussian::new(radius, Real::from(s.filter_sigma)).pdf(x),
     }
 }
 

@@ -1,32 +1,198 @@
-//! stub
-use crate::blob::format::*;
-use crate::real::*;
+//! Local models: how light scatters at a surface. One file per model, all of one shape, [`Local`].
+//!
+//! Directions are in the local frame (z is the normal) and point away from the surface. wo is where light
+//! leaves, wi where it comes from, whoever walks. To add a model: write its file, add it to [`Surface`].
+
+mod conductor;
+mod dielectric;
+mod diffuse;
+pub mod fresnel;
+mod mirror;
+mod null;
+mod sheet;
+mod texture;
+
+pub use conductor::Conductor;
+pub use dielectric::Dielectric;
+pub use diffuse::Diffuse;
+pub use mirror::Mirror;
+pub use null::Null;
+pub use sheet::Sheet;
+pub use texture::TextureView;
+
+use crate::blob::format::{Material, material};
+use crate::real::{Real, Vec3};
 use crate::spectrum::Spectrum;
+
+/// Which end a walk comes from: what the direction it already has means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mode { Radiance, Importance }
-impl Mode { pub fn reversed(self)->Self { match self { Mode::Radiance=>Mode::Importance, _=>Mode::Radiance } } }
-#[derive(Clone, Copy, Debug)]
-pub struct TextureView<'a> { pub textures: &'a [Texture], pub texels: &'a [u32] }
-#[derive(Clone, Copy, Debug)]
-pub struct Scatter<S> { pub wi: Vec3, pub weight: S, pub pdf: Real, pub pdf_reverse: Real, pub dirac: bool, pub transmitted: bool, pub eta_scale: Real }
-#[derive(Clone, Copy, Debug)]
-pub enum Surface<S> { D(S), M(S), G(Real) }
-impl<S: Spectrum> Surface<S> {
- pub const BLACK: Self = Surface::D(S::BLACK);
- pub fn resolve(m: &Material, _: TextureView<'_>, _: [Real;2]) -> Self { match m.kind { 0 => Surface::D(S::from_rgb(m.color[0])), 3 => Surface::G(m.ior as Real), _ => Surface::M(S::from_rgb(m.color[0])) } }
- pub fn has_smooth(&self)->bool { matches!(self, Surface::D(s) if !s.is_black()) }
- #[inline(always)]
- pub fn eval(&self, wo: Vec3, wi: Vec3)->S { match self { Surface::D(k) if wo.z*wi.z>0.0 => *k*INV_PI, _=>S::BLACK } }
- #[inline(always)]
- pub fn pdf(&self, w: Vec3, wi: Vec3, _:Mode)->Real { match self { Surface::D(_) if w.z*wi.z>0.0 => wi.z.abs()*INV_PI, _=>0.0 } }
- #[inline(always)]
- pub fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi:[Real;2])->Option<Scatter<S>> { match self {
-  Surface::D(k) => { if k.is_black() {return None}; let mut wi=crate::warp::cosine_hemisphere(xi); if w.z<0.0 {wi.z=-wi.z}; Some(Scatter{wi,weight:*k,pdf:wi.z.abs()*INV_PI,pdf_reverse:w.z.abs()*INV_PI,dirac:false,transmitted:false,eta_scale:1.0}) }
-  Surface::M(k) => Some(Scatter{wi:Vec3::new(-w.x,-w.y,w.z),weight:*k,pdf:1.0,pdf_reverse:1.0,dirac:true,transmitted:false,eta_scale:1.0}),
-  Surface::G(ior) => { let (eta,ci)=(if w.z>0.0 {*ior} else {1.0/ *ior}, w.z.abs()); let s2=(1.0-ci*ci)/(eta*eta);
-    let (r,ct)= if s2>=1.0 {(1.0,0.0)} else { let ct=sqrt(1.0-s2); let a=(ci-eta*ct)/(ci+eta*ct); let b=(eta*ci-ct)/(eta*ci+ct); (0.5*(a*a+b*b),ct)};
-    if lobe<r { Some(Scatter{wi:Vec3::new(-w.x,-w.y,w.z),weight:S::WHITE,pdf:r,pdf_reverse:r,dirac:true,transmitted:false,eta_scale:1.0}) }
-    else { let k=if mode==Mode::Radiance {1.0/(eta*eta)} else {1.0}; Some(Scatter{wi:Vec3::new(-w.x/eta,-w.y/eta,-w.z.signum()*ct),weight:S::grey(k),pdf:1.0-r,pdf_reverse:1.0-r,dirac:true,transmitted:true,eta_scale:k}) } }
- } }
+pub enum Mode {
+    /// From the sensor: w is wo, and weights carry f(w ← wi).
+    Radiance,
+    /// From the light: w is the direction towards the light, and weights carry f(wi ← w).
+    Importance,
 }
-pub fn opacity(_: TextureView<'_>, _: u32, _: [Real;2])->Real { 1.0 }
+
+impl Mode {
+    /// The other end.
+    #[inline(always)]
+    #[must_use]
+    pub const fn reversed(self) -> Self {
+        match self {
+            Mode::Radiance => Mode::Importance,
+            Mode::Importance => Mode::Radiance,
+        }
+    }
+}
+
+/// A direction drawn at a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Scatter<S> {
+    /// The direction.
+    pub wi: Vec3,
+    /// f·|cos|/pdf, with f's arguments as [`Mode`] says.
+    pub weight: S,
+    /// Density per solid angle, the choice of the lobe included; for a Dirac lobe, its probability.
+    pub pdf: Real,
+    /// The same for the way back: drawing w from wi in the other mode.
+    pub pdf_reverse: Real,
+    /// Whether the lobe is a Dirac's.
+    pub dirac: bool,
+    /// Whether the direction is on the other side.
+    pub transmitted: bool,
+    /// The factor of `weight` that is refraction's (η_o/η_i)², 1 if there is none.
+    pub eta_scale: Real,
+}
+
+impl<S: Spectrum> Scatter<S> {
+    /// By a Dirac lobe of probability `p` in both directions.
+    #[inline(always)]
+    fn dirac(wi: Vec3, weight: S, p: Real) -> Self {
+        Self {
+            wi,
+            weight,
+            pdf: p,
+            pdf_reverse: p,
+            dirac: true,
+            transmitted: false,
+            eta_scale: 1.0,
+        }
+    }
+}
+
+/// A local model: three functions. What a model of Dirac lobes alone has to say is `sample`.
+pub trait Local<S: Spectrum> {
+    /// f_s(wo ← wi), without its Dirac parts and without cosine; sr⁻¹.
+    #[inline(always)]
+    fn eval(&self, _wo: Vec3, _wi: Vec3) -> S {
+        S::BLACK
+    }
+
+    /// Density per solid angle of drawing `wi` when walking from `w`; Dirac lobes have none.
+    #[inline(always)]
+    fn pdf(&self, _w: Vec3, _wi: Vec3, _mode: Mode) -> Real {
+        0.0
+    }
+
+    /// Draws a direction: `lobe` chooses the lobe, `xi` the direction in it. `None` absorbs.
+    fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>>;
+
+    /// Whether there is a lobe that isn't Dirac: connections are possible.
+    #[inline(always)]
+    fn has_smooth(&self) -> bool {
+        false
+    }
+}
+
+/// The ideal direction of a mirror.
+#[inline(always)]
+fn reflect(w: Vec3) -> Vec3 {
+    Vec3::new(-w.x, -w.y, w.z)
+}
+
+/// Any local model, its colours looked up.
+#[derive(Clone, Copy, Debug)]
+#[allow(missing_docs)] // each variant is documented at its model
+pub enum Surface<S> {
+    Diffuse(Diffuse<S>),
+    Mirror(Mirror<S>),
+    Conductor(Conductor<S>),
+    Dielectric(Dielectric<S>),
+    Null(Null),
+    Sheet(Sheet<S>),
+}
+
+/// Calls the model's own function.
+macro_rules! each {
+    ($surface:expr, $model:ident => $call:expr) => {
+        match $surface {
+            Surface::Diffuse($model) => $call,
+            Surface::Mirror($model) => $call,
+            Surface::Conductor($model) => $call,
+            Surface::Dielectric($model) => $call,
+            Surface::Null($model) => $call,
+            Surface::Sheet($model) => $call,
+        }
+    };
+}
+
+impl<S: Spectrum> Surface<S> {
+    /// A surface that swallows all light.
+    pub const BLACK: Self = Self::Diffuse(Diffuse { reflectance: S::BLACK, transmittance: S::BLACK });
+
+    /// The model of a blob's material at (u, v).
+    #[inline(always)]
+    #[allow(clippy::unnecessary_cast)] // not unnecessary in the double-precision package
+    pub fn resolve(m: &Material, textures: TextureView<'_>, uv: [Real; 2]) -> Self {
+        let color = |role: usize| {
+            let constant = S::from_rgb(m.color.get(role).copied().unwrap_or([0.0; 3]));
+            match m.texture.get(role) {
+                Some(&id) if id != crate::blob::format::NONE => constant * textures.color::<S>(id, uv),
+                _ => constant,
+            }
+        };
+        match m.kind {
+            material::DIFFUSE => Self::Diffuse(Diffuse { reflectance: color(0), transmittance: color(1) }),
+            material::MIRROR => Self::Mirror(Mirror { reflectance: color(0) }),
+            material::CONDUCTOR => Self::Conductor(Conductor {
+                eta: S::from_rgb(m.eta),
+                k: S::from_rgb(m.k),
+                reflectance: color(0),
+            }),
+            material::DIELECTRIC => Self::Dielectric(Dielectric {
+                ior: m.ior as Real,
+                schlick: m.flags & material::SCHLICK != 0,
+                reflectance: color(0),
+                transmittance: color(1),
+            }),
+            material::NULL => Self::Null(Null),
+            _ => Self::Sheet(Sheet {
+                specular_reflectance: color(0),
+                specular_transmittance: color(1),
+                diffuse: Diffuse { reflectance: color(2), transmittance: color(3) },
+            }),
+        }
+    }
+}
+
+impl<S: Spectrum> Local<S> for Surface<S> {
+    #[inline(always)]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> S {
+        each!(self, m => m.eval(wo, wi))
+    }
+
+    #[inline(always)]
+    fn pdf(&self, w: Vec3, wi: Vec3, mode: Mode) -> Real {
+        each!(self, m => Local::<S>::pdf(m, w, wi, mode))
+    }
+
+    #[inline(always)]
+    fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>> {
+        each!(self, m => m.sample(w, mode, lobe, xi))
+    }
+
+    #[inline(always)]
+    fn has_smooth(&self) -> bool {
+        each!(self, m => Local::<S>::has_smooth(m))
+    }
+}

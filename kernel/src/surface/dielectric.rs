@@ -1,0 +1,51 @@
+//! The smooth dielectric boundary: f = [R·δ_R + (1−R)(η_o/η_i)²·δ_T]/|ω′·n|.
+//!
+//! η_o is the index on the side of wo, where light leaves. A walk from the sensor has w = wo and
+//! gathers (η_o/η_i)²; one from the light has w = wi, and the adjoint has no such factor (Veach 1997, §5.2).
+
+use super::{Local, Mode, Scatter, fresnel, reflect};
+use crate::real::{Real, Vec3, square};
+use crate::spectrum::Spectrum;
+
+/// Glass, water, diamond.
+#[derive(Clone, Copy, Debug)]
+pub struct Dielectric<S> {
+    /// Index inside over index outside; inside is z < 0.
+    pub ior: Real,
+    /// Schlick's approximation instead of Fresnel's equations.
+    pub schlick: bool,
+    /// Scale of reflection.
+    pub reflectance: S,
+    /// Scale of transmission.
+    pub transmittance: S,
+}
+
+impl<S: Spectrum> Local<S> for Dielectric<S> {
+    #[inline(always)]
+    fn sample(&self, w: Vec3, mode: Mode, lobe: Real, _: [Real; 2]) -> Option<Scatter<S>> {
+        // Index of the far side over that of w's side.
+        let eta = if w.z > 0.0 { self.ior } else { 1.0 / self.ior };
+        let cos = w.z.abs();
+        let boundary = if self.schlick { fresnel::schlick(eta, cos) } else { fresnel::dielectric(eta, cos) };
+        // Lobes by Fresnel's shares: the same from either side, so the way back has the same probability.
+        if lobe < boundary.reflected {
+            let p = boundary.reflected;
+            return (p > 0.0).then(|| Scatter::dirac(reflect(w), self.reflectance, p));
+        }
+        let p = boundary.transmitted;
+        if p <= 0.0 {
+            return None;
+        }
+        let back = 1.0 / eta;
+        let wi = Vec3::new(-w.x * back, -w.y * back, -boundary.cos_t.copysign(w.z));
+        let eta_scale = match mode {
+            Mode::Radiance => square(back),
+            Mode::Importance => 1.0,
+        };
+        Some(Scatter {
+            transmitted: true,
+            eta_scale,
+            ..Scatter::dirac(wi, self.transmittance * eta_scale, p)
+        })
+    }
+}

@@ -1,0 +1,66 @@
+//! Lambert's law, reflecting and transmitting: f = k_r/π on wo's side, k_t/π on the other.
+
+use super::{Local, Mode, Scatter};
+use crate::real::{INV_PI, Real, Vec3};
+use crate::spectrum::Spectrum;
+use crate::warp;
+
+/// Diffuse reflection and transmission.
+#[derive(Clone, Copy, Debug)]
+pub struct Diffuse<S> {
+    /// k_r.
+    pub reflectance: S,
+    /// k_t.
+    pub transmittance: S,
+}
+
+impl<S: Spectrum> Diffuse<S> {
+    /// Probability of choosing reflection.
+    #[inline(always)]
+    fn reflect_probability(&self) -> Real {
+        let (r, t) = (self.reflectance.max_channel(), self.transmittance.max_channel());
+        if t == 0.0 { 1.0 } else { r / (r + t) }
+    }
+}
+
+impl<S: Spectrum> Local<S> for Diffuse<S> {
+    #[inline(always)]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> S {
+        let k = if wo.z * wi.z > 0.0 { self.reflectance } else { self.transmittance };
+        k * INV_PI
+    }
+
+    #[inline(always)]
+    fn pdf(&self, w: Vec3, wi: Vec3, _: Mode) -> Real {
+        let p = self.reflect_probability();
+        let lobe = if w.z * wi.z > 0.0 { p } else { 1.0 - p };
+        lobe * warp::cosine_hemisphere_pdf(wi.z.abs())
+    }
+
+    #[inline(always)]
+    fn sample(&self, w: Vec3, _: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>> {
+        if !self.has_smooth() {
+            return None;
+        }
+        let p = self.reflect_probability();
+        let transmitted = lobe >= p;
+        let (k, p) = if transmitted { (self.transmittance, 1.0 - p) } else { (self.reflectance, p) };
+        let up = warp::cosine_hemisphere(xi);
+        let wi = if (w.z < 0.0) == transmitted { up } else { Vec3::new(up.x, up.y, -up.z) };
+        (up.z > 0.0).then(|| Scatter {
+            wi,
+            // k/π·cos/(p·cos/π).
+            weight: k * (1.0 / p),
+            pdf: p * warp::cosine_hemisphere_pdf(up.z),
+            pdf_reverse: p * warp::cosine_hemisphere_pdf(w.z.abs()),
+            dirac: false,
+            transmitted,
+            eta_scale: 1.0,
+        })
+    }
+
+    #[inline(always)]
+    fn has_smooth(&self) -> bool {
+        self.reflectance.max_channel() + self.transmittance.max_channel() > 0.0
+    }
+}
