@@ -3,3 +3,4 @@
 pub mod blob;
 pub mod compile;
 pub mod description;
+pub mod load;

@@ -1,0 +1,396 @@
+//! BSDFs to what stands on the two sides of a surface.
+
+use super::Loader;
+use super::texture::{Range, show};
+use super::value::{Plugin, number};
+use crate::description::{Color, ColorSource, Material, Model};
+use crate::load::error::{LoadError, Problem};
+
+/// Both sides of a surface, and whether it is there at all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// On the side of the normal; `None` is black.
+    pub front: Option<usize>,
+    /// On the other side; `None` is black.
+    pub back: Option<usize>,
+    /// Opacity, if it isn't 1 everywhere.
+    pub opacity: Option<ColorSource>,
+    transmits: bool,
+}
+
+const KNOWN: &str =
+    "diffuse, twosided, conductor, dielectric, null, mask, diffusetransmitter or sheet";
+
+/// Known to Mitsuba, unknown to us.
+const LATER: [&str; 19] = [
+    "roughconductor",
+    "roughdielectric",
+    "roughplastic",
+    "plastic",
+    "phong",
+    "thindielectric",
+    "principled",
+    "principledthin",
+    "blendbsdf",
+    "bumpmap",
+    "normalmap",
+    "hair",
+    "measured",
+    "pplastic",
+    "polarizer",
+    "retarder",
+    "circular",
+    "ward",
+    "coating",
+];
+
+/// Indices of refraction of Mitsuba's names.
+const INDICES: [(&str, f32); 22] = [
+    ("vacuum", 1.0),
+    ("helium", 1.000_036),
+    ("hydrogen", 1.000_132),
+    ("air", 1.000_277),
+    ("carbon dioxide", 1.00045),
+    ("water", 1.333),
+    ("acetone", 1.36),
+    ("ethanol", 1.361),
+    ("carbon tetrachloride", 1.461),
+    ("glycerol", 1.4729),
+    ("benzene", 1.501),
+    ("silicone oil", 1.52045),
+    ("bromine", 1.661),
+    ("water ice", 1.31),
+    ("fused quartz", 1.458),
+    ("pyrex", 1.47),
+    ("acrylic glass", 1.49),
+    ("polypropylene", 1.49),
+    ("bk7", 1.5046),
+    ("sodium chloride", 1.544),
+    ("pet", 1.575),
+    ("diamond", 2.419),
+];
+
+/// Complex indices of refraction of metals as seen in linear sRGB: name, η, k (published averages of
+/// measured spectra over the colour matching functions).
+const METALS: [(&str, Color, Color); 9] = [
+    (
+        "Ag",
+        [0.155_265, 0.116_723, 0.138_381],
+        [4.828_343, 3.122_246, 2.146_950],
+    ),
+    (
+        "Al",
+        [1.657_460, 0.880_369, 0.521_229],
+        [9.223_869, 6.269_523, 4.837_001],
+    ),
+    (
+        "Au",
+        [0.143_119, 0.374_957, 1.442_479],
+        [3.983_160, 2.385_721, 1.603_215],
+    ),
+    (
+        "Cr",
+        [4.369_683, 2.916_702, 1.654_701],
+        [5.206_434, 4.231_365, 3.754_947],
+    ),
+    (
+        "Cu",
+        [0.200_438, 0.924_033, 1.102_212],
+        [3.912_949, 2.452_848, 2.142_188],
+    ),
+    (
+        "Hg",
+        [2.398_931, 1.440_025, 0.909_551],
+        [6.327_627, 4.371_941, 3.421_790],
+    ),
+    (
+        "Ir",
+        [3.086_410, 2.082_194, 1.617_887],
+        [5.592_151, 4.067_176, 3.267_261],
+    ),
+    (
+        "W",
+        [4.370_703, 3.300_297, 2.998_267],
+        [3.500_678, 2.604_865, 2.273_193],
+    ),
+    (
+        "Rh",
+        [2.585_795, 1.860_187, 1.554_428],
+        [6.782_293, 4.702_950, 3.976_089],
+    ),
+];
+
+impl Loader<'_> {
+    /// What a shape without BSDF gets: diffuse, half grey, on its front.
+    pub fn default_surface(&mut self) -> Surface {
+        // No element has this index.
+        let key = usize::MAX;
+        if let Some(&done) = self.surfaces.get(&key) {
+            return done;
+        }
+        let half = ColorSource::Constant([0.5; 3]);
+        let model = Model::Diffuse {
+            reflectance: half,
+            transmittance: BLACK,
+        };
+        let surface = self.one_sided("default".into(), model);
+        self.surfaces.insert(key, surface);
+        surface
+    }
+
+    fn push(&mut self, name: String, model: Model) -> usize {
+        self.out.materials.push(Material { name, model });
+        self.out.materials.len() - 1
+    }
+
+    fn one_sided(&mut self, name: String, model: Model) -> Surface {
+        Surface {
+            front: Some(self.push(name, model)),
+            back: None,
+            opacity: None,
+            transmits: false,
+        }
+    }
+
+    fn both_sides(&mut self, name: String, model: Model) -> Surface {
+        let material = Some(self.push(name, model));
+        Surface {
+            front: material,
+            back: material,
+            opacity: None,
+            transmits: true,
+        }
+    }
+
+    /// The surface of the BSDF at an element.
+    pub fn surface(&mut self, index: usize) -> Result<Surface, LoadError> {
+        if let Some(&done) = self.surfaces.get(&index) {
+            return Ok(done);
+        }
+        let plugin = Plugin::new(self.document, index)?;
+        if self.open.contains(&index) {
+            let text = "BSDF within itself, expected one that ends";
+            return Err(plugin.error(Problem::Malformed(text.into())));
+        }
+        self.open.push(index);
+        let surface = self.make(&plugin)?;
+        self.open.pop();
+        plugin.finish()?;
+        self.surfaces.insert(index, surface);
+        Ok(surface)
+    }
+
+    fn make(&mut self, plugin: &Plugin) -> Result<Surface, LoadError> {
+        let name = self.name(plugin.node);
+        match plugin.kind {
+            "diffuse" => {
+                let reflectance = self.source(plugin, "reflectance", 0.5, Range::Unit)?;
+                Ok(self.one_sided(
+                    name,
+                    Model::Diffuse {
+                        reflectance,
+                        transmittance: BLACK,
+                    },
+                ))
+            }
+            "conductor" => {
+                let model = self.conductor(plugin)?;
+                Ok(self.one_sided(name, model))
+            }
+            "dielectric" => {
+                let inside = index(plugin, "int_ior", "bk7")?;
+                let outside = index(plugin, "ext_ior", "air")?;
+                let reflectance = self.source(plugin, "specular_reflectance", 1.0, Range::Unit)?;
+                let transmittance =
+                    self.source(plugin, "specular_transmittance", 1.0, Range::Unit)?;
+                // Our own: Schlick's approximation.
+                let schlick = plugin.boolean("schlick")?.unwrap_or(false);
+                let ior = inside / outside;
+                Ok(self.both_sides(
+                    name,
+                    Model::Dielectric {
+                        ior,
+                        reflectance,
+                        transmittance,
+                        schlick,
+                    },
+                ))
+            }
+            "null" => Ok(self.both_sides(name, Model::Null)),
+            "diffusetransmitter" => {
+                let reflectance = self.source(plugin, "reflectance", 0.5, Range::Unit)?;
+                let transmittance = self.source(plugin, "transmittance", 0.5, Range::Unit)?;
+                at_most_one(
+                    plugin,
+                    &[reflectance, transmittance],
+                    "reflectance + transmittance",
+                )?;
+                Ok(self.both_sides(
+                    name,
+                    Model::Diffuse {
+                        reflectance,
+                        transmittance,
+                    },
+                ))
+            }
+            "sheet" => {
+                let parts = [
+                    self.source(plugin, "specular_reflectance", 0.0, Range::Unit)?,
+                    self.source(plugin, "specular_transmittance", 0.0, Range::Unit)?,
+                    self.source(plugin, "diffuse_reflectance", 0.0, Range::Unit)?,
+                    self.source(plugin, "diffuse_transmittance", 0.0, Range::Unit)?,
+                ];
+                at_most_one(plugin, &parts, "sum of reflectances and transmittances")?;
+                let [
+                    specular_reflectance,
+                    specular_transmittance,
+                    diffuse_reflectance,
+                    diffuse_transmittance,
+                ] = parts;
+                let model = Model::Sheet {
+                    specular_reflectance,
+                    specular_transmittance,
+                    diffuse_reflectance,
+                    diffuse_transmittance,
+                };
+                Ok(self.both_sides(name, model))
+            }
+            "twosided" => self.two_sided(plugin),
+            "mask" => {
+                let opacity = self.source(plugin, "opacity", 0.5, Range::Opacity)?;
+                let nested = plugin
+                    .object("bsdf")?
+                    .ok_or_else(|| plugin.missing("a nested BSDF", "bsdf"))?;
+                let nested = self.surface(nested)?;
+                if nested.opacity.is_some() {
+                    return Err(
+                        plugin.unsupported("a mask within a mask", "multiply their opacities")
+                    );
+                }
+                let opacity = Some(opacity).filter(|o| *o != ColorSource::Constant([1.0; 3]));
+                Ok(Surface { opacity, ..nested })
+            }
+            kind if LATER.contains(&kind) => {
+                Err(plugin.unsupported(format!("bsdf {kind}"), &format!("choose {KNOWN}")))
+            }
+            _ => Err(plugin.unknown(KNOWN)),
+        }
+    }
+
+    fn two_sided(&mut self, plugin: &Plugin) -> Result<Surface, LoadError> {
+        let nested = plugin.objects("bsdf")?;
+        let (front, back) = match nested.as_slice() {
+            [one] => (*one, *one),
+            [front, back] => (*front, *back),
+            others => {
+                let expected = "one or two";
+                return Err(plugin.invalid("number of nested BSDFs", expected, others.len()));
+            }
+        };
+        let [front, back] = [self.surface(front)?, self.surface(back)?];
+        for side in [front, back] {
+            if side.transmits || side.opacity.is_some() || side.back.is_some() {
+                return Err(plugin.invalid(
+                    "nested BSDF",
+                    "one that neither transmits nor is two-sided",
+                    "another",
+                ));
+            }
+        }
+        Ok(Surface {
+            front: front.front,
+            back: back.front,
+            opacity: None,
+            transmits: false,
+        })
+    }
+
+    fn conductor(&mut self, plugin: &Plugin) -> Result<Model, LoadError> {
+        let material = plugin.string("material")?;
+        let eta = plugin.color("eta")?;
+        let k = plugin.color("k")?;
+        let reflectance = self.source(plugin, "specular_reflectance", 1.0, Range::Unit)?;
+        let outside = match plugin.has("ext_eta") {
+            true => index(plugin, "ext_eta", "vacuum")?,
+            false => 1.0,
+        };
+        let (eta, k) = match (material, eta, k) {
+            (None | Some("none"), None, None) => return Ok(Model::Mirror { reflectance }),
+            (Some(name), None, None) => {
+                let found = METALS.iter().find(|m| m.0 == name);
+                let found = found.ok_or_else(|| {
+                    let names: Vec<&str> = METALS.iter().map(|m| m.0).collect();
+                    plugin.invalid(
+                        "material",
+                        format!("none, {}", names.join(", ")),
+                        format!("\"{name}\""),
+                    )
+                })?;
+                (found.1, found.2)
+            }
+            (Some(name), _, _) if name != "none" => {
+                return Err(plugin.invalid(
+                    "material",
+                    "left out where eta and k are given",
+                    format!("\"{name}\""),
+                ));
+            }
+            (_, Some(eta), Some(k)) => (eta, k),
+            (_, Some(_), None) => return Err(plugin.missing("k", "rgb")),
+            (_, None, _) => return Err(plugin.missing("eta", "rgb")),
+        };
+        if eta.iter().any(|e| *e <= 0.0) {
+            return Err(plugin.invalid("eta", "> 0", show(eta)));
+        }
+        Ok(Model::Conductor {
+            eta: eta.map(|e| e / outside),
+            k: k.map(|x| x / outside),
+            reflectance,
+        })
+    }
+}
+
+const BLACK: ColorSource = ColorSource::Constant([0.0; 3]);
+
+/// An index of refraction: a number or a name.
+fn index(plugin: &Plugin, name: &str, default: &str) -> Result<f32, LoadError> {
+    let found = plugin.child(name)?.map(|i| &plugin.document.nodes[i]);
+    let text = match found {
+        Some(node) if node.tag == "string" => plugin.string(name)?.unwrap_or(default),
+        Some(_) => {
+            let value = plugin.positive(name)?;
+            return Ok(value.unwrap_or(1.0));
+        }
+        None => default,
+    };
+    let known = INDICES
+        .iter()
+        .find(|(n, _)| n.eq_ignore_ascii_case(text))
+        .map(|(_, v)| *v);
+    known
+        .or_else(|| number(text).filter(|v| *v > 0.0))
+        .ok_or_else(|| {
+            let names: Vec<&str> = INDICES.iter().map(|(n, _)| *n).collect();
+            plugin.invalid(
+                name,
+                format!("a number > 0 or one of {}", names.join(", ")),
+                format!("\"{text}\""),
+            )
+        })
+}
+
+/// Constants must not make energy together; what textures add is theirs to answer for.
+fn at_most_one(plugin: &Plugin, parts: &[ColorSource], what: &str) -> Result<(), LoadError> {
+    let mut sum = [0.0f32; 3];
+    for part in parts {
+        if let ColorSource::Constant(c) = part {
+            for (s, c) in sum.iter_mut().zip(c) {
+                *s += c;
+            }
+        }
+    }
+    if sum.iter().any(|s| *s > 1.0 + 1e-5) {
+        return Err(plugin.invalid(what, "at most 1 in each channel", show(sum)));
+    }
+    Ok(())
+}
