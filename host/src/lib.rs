@@ -1,6 +1,14 @@
 //! The host: scene files to blobs, blobs to images.
+//!
+//! ```text
+//! scene file ──load──▶ description ──compile──▶ blob ──etendue::Scene::open──▶ render ──develop──▶ images
+//! ```
 
 pub mod blob;
+pub mod command;
 pub mod compile;
 pub mod description;
+pub mod develop;
 pub mod load;
+pub mod render;
+pub mod scene;

@@ -97,6 +97,16 @@ impl<'a> Scene<'a> {
         self.shapes
     }
 
+    /// Its local models.
+    pub fn materials(&self) -> &'a [Material] {
+        self.materials
+    }
+
+    /// Its textures.
+    pub fn textures(&self) -> &'a [Texture] {
+        self.textures
+    }
+
     /// Its lights.
     #[inline(always)]
     pub fn emitters(&self) -> &'a [Emitter] {

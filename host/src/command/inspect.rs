@@ -1,0 +1,162 @@
+//! `etendue inspect`.
+
+use super::{Failure, define, warn};
+use crate::scene::{Size, prepare};
+use etendue::Scene;
+use etendue::blob::format::{
+    Header, NONE, Toc, WIDTH, child, emitter, material, needs, section, sensor,
+};
+use std::path::PathBuf;
+
+/// Say what a scene or a blob holds, and what the kernel leaves out
+#[derive(clap::Args, Debug)]
+pub struct Inspect {
+    /// Mitsuba 3 scene (.xml) or compiled blob (.etd)
+    scene: PathBuf,
+    /// Value for $NAME in the scene; may be repeated
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
+    define: Vec<(String, String)>,
+}
+
+impl Inspect {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let prepared = prepare(&self.scene, &self.define, Size::default())?;
+        warn(&prepared.warnings);
+        let bytes = prepared.blob.bytes();
+        let scene = Scene::open(bytes).map_err(|e| e.to_string())?;
+        contents(&scene);
+        sizes(&scene, bytes);
+        tree(&scene);
+        left_out(&scene);
+        Ok(())
+    }
+}
+
+fn count_kinds<T>(records: &[T], names: &[&str], kind: impl Fn(&T) -> u32) -> String {
+    let parts: Vec<String> = names
+        .iter()
+        .enumerate()
+        .map(|(k, name)| (records.iter().filter(|r| kind(r) == k as u32).count(), name))
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, name)| format!("{n} {name}"))
+        .collect();
+    if parts.is_empty() { "none".into() } else { parts.join(", ") }
+}
+
+fn contents(scene: &Scene<'_>) {
+    let s = scene.sensor();
+    let kind = match (s.kind, s.aperture > 0.0) {
+        (sensor::ORTHOGRAPHIC, _) => "orthographic",
+        (_, true) => "thin lens",
+        _ => "pinhole",
+    };
+    let filter = match s.filter {
+        sensor::BOX => "box",
+        sensor::TENT => "tent",
+        _ => "gaussian",
+    };
+    let [w, h] = scene.size();
+    println!("sensor      {kind}, {w} × {h} of {} × {}, {filter} filter of radius {}", s.resolution[0], s.resolution[1], s.filter_radius);
+    let world = scene.world();
+    println!("world       centre {:?}, radius {}", world.center, world.radius);
+    println!("shapes      {}", scene.shapes().len());
+    println!("primitives  {} triangles, {} spheres", scene.triangles().count(), scene.sphere_records().len());
+    let names = ["diffuse", "mirror", "conductor", "dielectric", "null", "sheet"];
+    debug_assert_eq!(names.len() as u32, material::SHEET + 1);
+    println!("materials   {}", count_kinds(scene.materials(), &names, |m| m.kind));
+    let names = ["checkerboard", "sRGB image", "linear image", "float image"];
+    println!("textures    {}", count_kinds(scene.textures(), &names, |t| t.kind));
+    let names = ["area", "point", "spot", "directional", "constant", "lat-long", "cube map"];
+    debug_assert_eq!(names.len() as u32, emitter::CUBEMAP + 1);
+    println!("emitters    {} ({} ways to choose)", count_kinds(scene.emitters(), &names, |e| e.kind), scene.choices().len());
+}
+
+fn sizes(scene: &Scene<'_>, bytes: &[u8]) {
+    let names = [
+        "world", "sensor", "nodes", "packets", "triangles", "spheres", "normals", "uvs", "shapes",
+        "materials", "textures", "texels", "emitters", "choices", "cells",
+    ];
+    println!("\nsection         records       bytes");
+    let from = size_of::<Header>();
+    let table: &[Toc] = bytemuck::cast_slice(&bytes[from..from + section::ALL.len() * size_of::<Toc>()]);
+    let mut geometry = 0;
+    for entry in table {
+        let size = entry.count * u64::from(entry.stride);
+        if (section::NODES..=section::UVS).contains(&entry.kind) {
+            geometry += size;
+        }
+        println!("{:<12} {:>10} {size:>11}", names[entry.kind as usize - 1], entry.count);
+    }
+    println!("{:<12} {:>10} {:>11}", "whole", "", bytes.len());
+    let triangles = scene.triangles().count();
+    if triangles > 0 {
+        println!("geometry per triangle, shading data included: {:.1} bytes", geometry as f64 / triangles as f64);
+    }
+}
+
+/// Surface area of a box, halved.
+fn half_area(low: [f32; 3], high: [f32; 3]) -> f64 {
+    let [x, y, z] = std::array::from_fn(|i| f64::from(high[i] - low[i]).max(0.0));
+    x * y + y * z + z * x
+}
+
+fn tree(scene: &Scene<'_>) {
+    let nodes = scene.nodes();
+    let mut children = 0;
+    let mut leaves = 0;
+    // Expected work of a random ray that meets the root: nodes visited and packets tested.
+    let (mut visits, mut tests) = (0.0, 0.0);
+    let mut root = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for (index, node) in nodes.iter().enumerate() {
+        for i in (0..WIDTH).filter(|&i| node.children[i] != child::EMPTY) {
+            let (low, high) = (node.low.map(|a| a[i]), node.high.map(|a| a[i]));
+            if index == 0 {
+                for axis in 0..3 {
+                    root.0[axis] = root.0[axis].min(low[axis]);
+                    root.1[axis] = root.1[axis].max(high[axis]);
+                }
+            }
+            children += 1;
+            if node.children[i] & child::LEAF == 0 {
+                visits += half_area(low, high);
+            } else {
+                leaves += 1;
+                let count = (node.children[i] >> child::COUNT_SHIFT & 15) + 1;
+                tests += half_area(low, high) * f64::from(count);
+            }
+        }
+    }
+    let area = half_area(root.0, root.1).max(f64::MIN_POSITIVE);
+    let slots = scene.packets().len() * etendue::blob::format::LANES;
+    println!("\ntree        {} nodes, {leaves} leaves, {} levels, {:.2} of {WIDTH} children used", nodes.len(), scene.world().depth + 1, f64::from(children) / nodes.len() as f64);
+    if slots > 0 {
+        println!("packets     {:.1} % full", 100.0 * scene.triangles().count() as f64 / slots as f64);
+    }
+    println!("SAH         a random ray through the scene's box visits {:.2} nodes and tests {:.2} packets or spheres", 1.0 + visits / area, tests / area);
+}
+
+fn left_out(scene: &Scene<'_>) {
+    println!("\nleft out, because the scene doesn't need it:");
+    println!("  media: no free flight, no transmittance");
+    println!("  wavelengths: paths carry RGB");
+    let lines = [
+        (needs::MASKS | needs::NULL, "masks and null boundaries: shadow rays stop at the first thing they meet"),
+        (needs::SPHERES, "spheres: the tree holds triangles only"),
+        (needs::TEXTURES, "textures: colours are constants"),
+        (needs::SMOOTH_NORMALS, "interpolated normals: no correction of light walks"),
+        (needs::DISTANT, "emitters at infinity"),
+        (needs::DIRAC, "Dirac lobes: every vertex can be connected"),
+        (needs::TRANSMISSION, "transmission: light stays on its side"),
+    ];
+    for (bits, line) in lines {
+        if !scene.has(bits) {
+            println!("  {line}");
+        }
+    }
+    if scene.world().background == NONE {
+        println!("  background: what leaves the scene is black");
+    }
+    if scene.choices().is_empty() {
+        println!("  light: nothing emits");
+    }
+}

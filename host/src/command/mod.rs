@@ -1,0 +1,64 @@
+//! The program's commands, one file each.
+
+mod compare;
+mod compile;
+mod inspect;
+mod render;
+
+/// How a command ends badly.
+#[derive(Debug)]
+pub enum Failure {
+    /// One line for the user.
+    Error(String),
+    /// Ctrl-C; what there was has been written.
+    Interrupted,
+}
+
+impl From<String> for Failure {
+    fn from(message: String) -> Self {
+        Self::Error(message)
+    }
+}
+
+/// What to do.
+#[derive(clap::Subcommand, Debug)]
+pub enum Command {
+    /// Render a scene to images
+    Render(render::Render),
+    /// Compile a scene to a blob that the kernel opens
+    Compile(compile::Compile),
+    /// Say what a scene or a blob holds, and what the kernel leaves out
+    Inspect(inspect::Inspect),
+    /// Compare two linear images
+    Compare(compare::Compare),
+}
+
+impl Command {
+    /// Does it.
+    ///
+    /// # Errors
+    /// What went wrong, in one line.
+    pub fn run(self) -> Result<(), Failure> {
+        match self {
+            Self::Render(c) => c.run(),
+            Self::Compile(c) => c.run(),
+            Self::Inspect(c) => c.run(),
+            Self::Compare(c) => c.run(),
+        }
+    }
+}
+
+/// `NAME=VALUE`.
+fn define(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.into(), value.into())),
+        _ => Err("expected NAME=VALUE".into()),
+    }
+}
+
+/// Prints what a loader wants known.
+fn warn(warnings: &[String]) {
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
+}

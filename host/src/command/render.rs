@@ -1,0 +1,256 @@
+//! `etendue render`.
+
+use super::{Failure, define, warn};
+use crate::develop::{Curve, Linear, Output, Tone};
+use crate::render::{Budget, Options, Progress, Rendered, render};
+use crate::scene::{Size, prepare};
+use clap::ValueEnum;
+use etendue::{Estimator, Heuristic, Scene, Settings};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Samples per pixel if neither the command line nor the scene says.
+const DEFAULT_SAMPLES: u64 = 64;
+
+/// Render a scene to images
+#[derive(clap::Args, Debug)]
+pub struct Render {
+    /// Mitsuba 3 scene (.xml) or compiled blob (.etd)
+    scene: PathBuf,
+    /// Image to write: .exr or .hdr (linear), .png (tone-mapped, sRGB); may be repeated
+    #[arg(short, long = "output", value_name = "OUT", required = true)]
+    output: Vec<PathBuf>,
+    /// How light is estimated
+    #[arg(long, value_enum, default_value_t = EstimatorName::Path)]
+    estimator: EstimatorName,
+    /// How strategies share a path (multiple importance sampling)
+    #[arg(long, value_enum, default_value_t = HeuristicName::Power)]
+    mis: HeuristicName,
+    /// Samples per pixel [default: what the scene says, or 64]
+    #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+    spp: Option<u64>,
+    /// Rendering time (500ms, 30s, 2m, 1h), without loading; ends with a whole pass over the image
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    time: Option<Duration>,
+    /// Selects the random numbers: the same seed gives the same bits
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Threads; the image doesn't depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    threads: Option<u32>,
+    /// Most edges of a path: 1 shows emitters, 2 adds direct light; -1 is no limit [default: what the scene says]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-1..))]
+    max_depth: Option<i32>,
+    /// Value for $NAME in the scene; may be repeated
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
+    define: Vec<(String, String)>,
+    /// Columns of the image
+    #[arg(long, value_name = "W")]
+    width: Option<u32>,
+    /// Rows of the image
+    #[arg(long, value_name = "H")]
+    height: Option<u32>,
+    /// PNG: stops of exposure, radiance × 2^EV
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
+    /// PNG: none, reinhard, or gamma:a,c,γ, which is a·(x+c)^γ in place of the sRGB curve
+    #[arg(long, value_name = "CURVE", default_value = "none")]
+    tonemap: Curve,
+    /// End with one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+    /// No progress, no summary
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum EstimatorName {
+    /// walk from the camera, lights sampled at each vertex
+    Path,
+    /// walk from the lights, vertices joined to the camera
+    Light,
+    /// both walks and all connections between them
+    Bidirectional,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum HeuristicName {
+    /// in proportion to the densities
+    Balance,
+    /// in proportion to their squares
+    Power,
+    /// balance among those within a tenth of the largest
+    Cutoff,
+    /// all to the largest
+    Maximum,
+}
+
+/// A number with a unit.
+fn duration(text: &str) -> Result<Duration, String> {
+    let expected = || format!("expected a time like 500ms, 30s, 2m or 1h, found {text:?}");
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).ok_or_else(expected)?;
+    let (number, unit) = text.split_at(split);
+    let scale = match unit {
+        "ms" => 1e-3,
+        "s" => 1.0,
+        "m" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(expected()),
+    };
+    let seconds: f64 = number.parse::<f64>().map_err(|_| expected())? * scale;
+    Duration::try_from_secs_f64(seconds).ok().filter(|d| !d.is_zero()).ok_or_else(expected)
+}
+
+impl Render {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        // What can't be written is refused before anything is rendered.
+        let outputs = self
+            .output
+            .iter()
+            .map(|path| Output::open(path).map_err(|e| e.to_string()))
+            .collect::<Result<Vec<_>, _>>()?;
+        let size = Size { width: self.width, height: self.height };
+        let prepared = prepare(&self.scene, &self.define, size)?;
+        if !self.quiet {
+            warn(&prepared.warnings);
+        }
+        let scene = Scene::open(prepared.blob.bytes()).map_err(|e| e.to_string())?;
+        let samples = self.spp.or(prepared.advice.samples.map(u64::from)).unwrap_or(DEFAULT_SAMPLES);
+        let max_edges = match self.max_depth {
+            Some(n) => u32::try_from(n).ok(),
+            None => prepared.advice.max_depth,
+        };
+        let options = Options {
+            settings: Settings {
+                estimator: self.estimator.into(),
+                heuristic: self.mis.into(),
+                max_edges,
+                seed: self.seed,
+                ..Settings::default()
+            },
+            budget: self.time.map_or(Budget::Passes(samples), Budget::Time),
+            threads: self.threads.unwrap_or(0) as usize,
+        };
+        let stop = catch_interrupt()?;
+        let bar = self.progress_bar();
+        let started = Instant::now();
+        let watch = |p: Progress| show(&bar, p, started.elapsed());
+        let rendered = render(&scene, &options, &stop, &watch).map_err(|e| e.to_string())?;
+        bar.finish_and_clear();
+        let image = Linear { size: rendered.size, pixels: rendered.image.clone() };
+        let tone = Tone { exposure: self.exposure, curve: self.tonemap };
+        for output in outputs {
+            output.write(&image, tone).map_err(|e| e.to_string())?;
+        }
+        self.report(&rendered);
+        if rendered.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+    }
+
+    fn progress_bar(&self) -> ProgressBar {
+        let bar = ProgressBar::new(1000);
+        if self.quiet || self.json || !std::io::stderr().is_terminal() {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}") {
+            bar.set_style(style);
+        }
+        bar
+    }
+
+    fn report(&self, r: &Rendered) {
+        let samples = r.passes * r.image.len() as u64;
+        let rays = r.counters.closest_rays + r.counters.shadow_rays;
+        let per_second = |n: u64| n as f64 / r.seconds.max(1e-9);
+        let mean: [f64; 3] = std::array::from_fn(|c| {
+            r.image.iter().map(|p| f64::from(p[c])).sum::<f64>() / r.image.len() as f64
+        });
+        let lost = r.counters.rejected + r.refused.saturated + r.refused.invalid;
+        if self.json {
+            let object = serde_json::json!({
+                "width": r.size[0],
+                "height": r.size[1],
+                "passes": r.passes,
+                "samples": samples,
+                "seconds": r.seconds,
+                "samples_per_second": per_second(samples),
+                "rays": rays,
+                "rays_per_second": per_second(rays),
+                "mean_rgb": mean,
+                "interrupted": r.interrupted,
+                "diagnostics": {
+                    "closest_rays": r.counters.closest_rays,
+                    "shadow_rays": r.counters.shadow_rays,
+                    "light_walks": r.counters.light_walks,
+                    "walks_cut_by_step_limit": r.counters.cut_walks,
+                    "light_walks_cut_by_capacity": r.counters.full_walks,
+                    "rejected_values": r.counters.rejected,
+                    "film_saturated": r.refused.saturated,
+                    "film_underflowed": r.refused.underflowed,
+                    "film_invalid": r.refused.invalid,
+                },
+            });
+            println!("{object}");
+        } else if !self.quiet {
+            eprintln!(
+                "{} × {}, {} samples per pixel in {:.2} s: {:.2} M samples/s, {:.2} M rays/s",
+                r.size[0], r.size[1], r.passes, r.seconds, per_second(samples) * 1e-6, per_second(rays) * 1e-6
+            );
+        }
+        if lost > 0 && !self.quiet {
+            eprintln!("warning: {lost} values were not finite, negative or too large, and were left out");
+        }
+        if r.counters.cut_walks > 0 && !self.quiet {
+            eprintln!("warning: {} walks were cut at {} steps", r.counters.cut_walks, etendue::path::MAX_STEPS);
+        }
+    }
+}
+
+/// The first Ctrl-C ends the render after its pass; the second ends the program.
+fn catch_interrupt() -> Result<Arc<AtomicBool>, String> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })
+    .map_err(|e| format!("can't listen for Ctrl-C: {e}"))?;
+    Ok(stop)
+}
+
+fn show(bar: &ProgressBar, p: Progress, elapsed: Duration) {
+    bar.set_position((p.done * 1000.0) as u64);
+    let seconds = elapsed.as_secs_f64();
+    let left = if p.done > 0.0 { seconds * (1.0 - p.done) / p.done } else { 0.0 };
+    bar.set_message(format!(
+        "{} spp, {:.2} M samples/s, {left:.0} s left",
+        p.passes,
+        p.samples as f64 / seconds.max(1e-9) * 1e-6
+    ));
+}
+
+impl From<EstimatorName> for Estimator {
+    fn from(name: EstimatorName) -> Self {
+        match name {
+            EstimatorName::Path => Self::Path,
+            EstimatorName::Light => Self::Light,
+            EstimatorName::Bidirectional => Self::Bidirectional,
+        }
+    }
+}
+
+impl From<HeuristicName> for Heuristic {
+    fn from(name: HeuristicName) -> Self {
+        match name {
+            HeuristicName::Balance => Self::Balance,
+            HeuristicName::Power => Self::Power,
+            HeuristicName::Cutoff => Self::Cutoff,
+            HeuristicName::Maximum => Self::Maximum,
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! Linear images to files and back: OpenEXR and Radiance HDR as they are, PNG through a tone curve.
+
+mod file;
+mod tone;
+
+pub use file::{Format, ImageError, Linear, Output, persist, read, temporary_beside};
+pub use tone::{Curve, Tone};
