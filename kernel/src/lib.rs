@@ -8,9 +8,5 @@ pub mod blob {
 }
 pub mod random;
 pub mod real;
-pub mod shape {
-    //! Rays and primitives.
-    mod ray;
-    pub use ray::{Hit, Ray, Tracer};
-}
+pub mod shape;
 pub mod spectrum;

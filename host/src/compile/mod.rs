@@ -1,0 +1,3 @@
+//! From descriptions to blobs.
+
+pub mod bvh;

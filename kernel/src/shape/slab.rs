@@ -1,0 +1,161 @@
+//! Rays against the eight boxes of a node, never missing a box whose contents could be hit.
+//!
+//! Boxes are exact but the arithmetic isn't, and the triangle test works on vertices sheared with
+//! rounding: a ray that meets a sheared triangle may pass its box by a little. Ize 2013 ("Robust BVH
+//! ray traversal", JCGT 2(2)) widens distances by their relative error, which covers the slabs' own
+//! rounding only. Here boxes grow by an absolute bound on all of it. With u the unit roundoff and R a
+//! bound on |v − o| over axes and all vertices v of the scene, for a ray from o:
+//!
+//! - a sheared coordinate (v_x − o_x) − (d_x/d_z)(v_z − o_z), |d_x| ≤ |d_z|, is off by at most
+//!   u|v_x − o_x| + 3u|v_z − o_z| + 2uR ≤ 6uR, so the true triangle's box, grown by that much, meets the ray;
+//! - a slab's distance (b − o)·(1/d) has a relative error of 3u, as if b had moved by 3uR.
+//!
+//! So boxes grow by 16uR ≥ 9uR. That costs nothing: the near planes are tested against an origin
+//! moved by it along the ray's octant, the far ones against one moved the other way.
+
+use bytemuck::cast_ref;
+
+use super::lanes::{Load, MOST, Mask};
+use super::ray::Ray;
+use crate::blob::format::{Node, WIDTH};
+use crate::real::{Real, UNIT_ROUNDOFF, Vec3};
+
+/// Components of the direction are at least this large, so that inverses are finite: a box is then
+/// never 0·∞. Over the scene's reach the ray moves by less than boxes have grown.
+const LEAST_DIRECTION: Real = 1e-18;
+
+/// A box around everything, from which a ray's reach follows.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    center: Vec3,
+    half: Vec3,
+}
+
+impl Bounds {
+    /// Around the children of the root; empty slots don't count.
+    pub fn of(root: &Node) -> Self {
+        let mut low = Vec3::splat(Real::INFINITY);
+        let mut high = Vec3::splat(Real::NEG_INFINITY);
+        for i in 0..WIDTH {
+            low = low.min(crate::real::vec3([
+                root.low[0][i],
+                root.low[1][i],
+                root.low[2][i],
+            ]));
+            high = high.max(crate::real::vec3([
+                root.high[0][i],
+                root.high[1][i],
+                root.high[2][i],
+            ]));
+        }
+        if low.x <= high.x {
+            // Halved before they are added, or the sum of large ones overflows.
+            Self {
+                center: low * 0.5 + high * 0.5,
+                half: high * 0.5 - low * 0.5,
+            }
+        } else {
+            Self {
+                center: Vec3::ZERO,
+                half: Vec3::ZERO,
+            }
+        }
+    }
+
+    /// R: no coordinate of the scene is farther from the point's. NaN or infinite if that is what the point is.
+    #[inline(always)]
+    fn reach(&self, point: Vec3) -> Real {
+        let far = (point - self.center).abs() + self.half;
+        // A NaN in any component must survive.
+        let sum = far.x + far.y + far.z;
+        if sum < Real::INFINITY {
+            far.max_element()
+        } else {
+            Real::INFINITY
+        }
+    }
+}
+
+/// A ray as the box test wants it.
+#[derive(Clone, Copy)]
+pub struct Slabs {
+    /// Rows of a node, seen as eight rows of eight, that hold the planes the ray enters by and leaves by.
+    near: [usize; 3],
+    far: [usize; 3],
+    /// The origin as seen from these planes.
+    near_origin: [Real; 3],
+    far_origin: [Real; 3],
+    inverse: [Real; 3],
+    t_min: Real,
+}
+
+impl Slabs {
+    /// `None` if the origin isn't finite or too far away to tell: then nothing is met.
+    #[inline(always)]
+    pub fn new(ray: &Ray, bounds: &Bounds) -> Option<Self> {
+        let reach = bounds.reach(ray.origin);
+        if reach >= Real::MAX {
+            return None;
+        }
+        let grown = reach * (16.0 * UNIT_ROUNDOFF);
+        let mut slabs = Self {
+            near: [0; 3],
+            far: [0; 3],
+            near_origin: [0.0; 3],
+            far_origin: [0.0; 3],
+            inverse: [0.0; 3],
+            // Above −0, which would sort as the farthest of keys.
+            t_min: if ray.t_min > 0.0 { ray.t_min } else { 0.0 },
+        };
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        for axis in 0..3 {
+            let (o, d) = (origin[axis], direction[axis]);
+            let (above, below) = (up(o, grown), -up(-o, grown));
+            let backward = d.is_sign_negative();
+            let size = if d.abs() > LEAST_DIRECTION {
+                d.abs()
+            } else {
+                LEAST_DIRECTION
+            };
+            slabs.inverse[axis] = if backward { -1.0 / size } else { 1.0 / size };
+            slabs.near[axis] = if backward { axis + 3 } else { axis };
+            slabs.far[axis] = if backward { axis } else { axis + 3 };
+            slabs.near_origin[axis] = if backward { below } else { above };
+            slabs.far_origin[axis] = if backward { above } else { below };
+        }
+        Some(slabs)
+    }
+
+    /// Which children the ray may meet before `t_max` (bit i: child i), and where it enters each.
+    #[inline(always)]
+    pub fn test<L: Load<WIDTH>>(
+        &self,
+        token: L::Token,
+        node: &Node,
+        t_max: Real,
+    ) -> (u32, [Real; MOST]) {
+        let rows: &[[f32; WIDTH]; 8] = cast_ref(node);
+        let distance = |row: usize, origin: Real, inverse: Real| {
+            (L::load(token, &rows[row & 7]) - L::splat(token, origin)) * L::splat(token, inverse)
+        };
+        let near = |i: usize| distance(self.near[i], self.near_origin[i], self.inverse[i]);
+        let far = |i: usize| distance(self.far[i], self.far_origin[i], self.inverse[i]);
+        // t_min comes last, so that a −0 can't win against a +0.
+        let entry = near(0)
+            .max(near(1))
+            .max(near(2).max(L::splat(token, self.t_min)));
+        let exit = far(0).min(far(1)).min(far(2).min(L::splat(token, t_max)));
+        (entry.le(exit).bits(), entry.spill())
+    }
+}
+
+/// At least x + y, for y ≥ 0, and more than x.
+#[inline(always)]
+fn up(x: Real, y: Real) -> Real {
+    let sum = x + y;
+    if sum - x < y || sum == x {
+        sum.next_up()
+    } else {
+        sum
+    }
+}
