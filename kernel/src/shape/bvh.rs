@@ -339,10 +339,13 @@ fn entry_of(key: u64) -> Real {
     f32::from_bits((key >> 32) as u32).into()
 }
 
-/// Subtrees still to visit. A path has at most `MAX_DEPTH + 1` nodes, and each leaves at most
-/// `WIDTH − 1` children here while one is visited.
+/// A path has at most `MAX_DEPTH + 1` nodes, and each leaves at most
+/// `WIDTH − 1` children on the stack while one is visited.
+const STACK: usize = (WIDTH - 1) * (MAX_DEPTH as usize + 1);
+
+/// Subtrees still to visit, nearest on top.
 struct Stack {
-    keys: [MaybeUninit<u64>; (WIDTH - 1) * (MAX_DEPTH as usize + 1)],
+    keys: [MaybeUninit<u64>; STACK],
     len: usize,
 }
 
@@ -350,7 +353,7 @@ impl Stack {
     #[inline(always)]
     fn new() -> Self {
         Self {
-            keys: [MaybeUninit::uninit(); _],
+            keys: [const { MaybeUninit::uninit() }; STACK],
             len: 0,
         }
     }

@@ -11,7 +11,8 @@
 //! - a slab's distance (b − o)·(1/d) has a relative error of 3u, as if b had moved by 3uR.
 //!
 //! So boxes grow by 16uR ≥ 9uR. That costs nothing: the near planes are tested against an origin
-//! moved by it along the ray's octant, the far ones against one moved the other way.
+//! moved by it along the ray's octant, the far ones against one moved the other way. Another 2u|o|
+//! make up for the rounding of the moved origins, when the scene is far from the world's.
 
 use bytemuck::cast_ref;
 
@@ -97,7 +98,7 @@ impl Slabs {
         if reach >= Real::MAX {
             return None;
         }
-        let grown = reach * (16.0 * UNIT_ROUNDOFF);
+        let grown = (16.0 * reach + 2.0 * ray.origin.abs().max_element()) * UNIT_ROUNDOFF;
         let mut slabs = Self {
             near: [0; 3],
             far: [0; 3],
@@ -110,18 +111,18 @@ impl Slabs {
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         for axis in 0..3 {
             let (o, d) = (origin[axis], direction[axis]);
-            let (above, below) = (up(o, grown), -up(-o, grown));
-            let backward = d.is_sign_negative();
-            let size = if d.abs() > LEAST_DIRECTION {
+            let least = if d.abs() > LEAST_DIRECTION {
                 d.abs()
             } else {
                 LEAST_DIRECTION
             };
-            slabs.inverse[axis] = if backward { -1.0 / size } else { 1.0 / size };
-            slabs.near[axis] = if backward { axis + 3 } else { axis };
-            slabs.far[axis] = if backward { axis } else { axis + 3 };
-            slabs.near_origin[axis] = if backward { below } else { above };
-            slabs.far_origin[axis] = if backward { above } else { below };
+            let backward = 3 * usize::from(d.is_sign_negative());
+            let moved = grown.copysign(d);
+            slabs.inverse[axis] = (1.0 / least).copysign(d);
+            slabs.near[axis] = axis + backward;
+            slabs.far[axis] = axis + 3 - backward;
+            slabs.near_origin[axis] = o + moved;
+            slabs.far_origin[axis] = o - moved;
         }
         Some(slabs)
     }
@@ -146,16 +147,5 @@ impl Slabs {
             .max(near(2).max(L::splat(token, self.t_min)));
         let exit = far(0).min(far(1)).min(far(2).min(L::splat(token, t_max)));
         (entry.le(exit).bits(), entry.spill())
-    }
-}
-
-/// At least x + y, for y ≥ 0, and more than x.
-#[inline(always)]
-fn up(x: Real, y: Real) -> Real {
-    let sum = x + y;
-    if sum - x < y || sum == x {
-        sum.next_up()
-    } else {
-        sum
     }
 }

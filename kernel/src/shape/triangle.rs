@@ -23,13 +23,16 @@ impl Axis {
         usize::from(self.0)
     }
 
+    /// The component of a vector, without a branch: which axis it is can't be predicted.
     #[inline(always)]
     fn of(self, v: Vec3) -> Real {
-        match self.0 {
-            0 => v.x,
-            1 => v.y,
-            _ => v.z,
-        }
+        [v.x, v.y, v.z, 0.0][usize::from(self.0 & 3)]
+    }
+
+    /// The axis after this one, in a circle.
+    #[inline(always)]
+    fn next(self) -> Self {
+        Self([1, 2, 0, 0][usize::from(self.0 & 3)])
     }
 }
 
@@ -51,13 +54,12 @@ impl Shear {
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let size = d.abs();
-        let axes = if size.x > size.y && size.x > size.z {
-            [Axis(1), Axis(2), Axis(0)]
-        } else if size.y > size.z {
-            [Axis(2), Axis(0), Axis(1)]
+        let last = Axis(if size.z >= size.x.max(size.y) {
+            2
         } else {
-            [Axis(0), Axis(1), Axis(2)]
-        };
+            u8::from(size.y > size.x)
+        });
+        let axes = [last.next(), last.next().next(), last];
         let z = 1.0 / axes[2].of(d);
         Self {
             axes,
