@@ -135,17 +135,31 @@ impl Slabs {
         node: &Node,
         t_max: Real,
     ) -> (u32, [Real; MOST]) {
-        let rows: &[[f32; WIDTH]; 8] = cast_ref(node);
-        let distance = |row: usize, origin: Real, inverse: Real| {
-            (L::load(token, &rows[row & 7]) - L::splat(token, origin)) * L::splat(token, inverse)
-        };
-        let near = |i: usize| distance(self.near[i], self.near_origin[i], self.inverse[i]);
-        let far = |i: usize| distance(self.far[i], self.far_origin[i], self.inverse[i]);
+        let rows = cast_ref(node);
+        let [nx, ny, nz] = self.distances::<L>(token, rows, &self.near, &self.near_origin);
+        let [fx, fy, fz] = self.distances::<L>(token, rows, &self.far, &self.far_origin);
         // t_min comes last, so that a −0 can't win against a +0.
-        let entry = near(0)
-            .max(near(1))
-            .max(near(2).max(L::splat(token, self.t_min)));
-        let exit = far(0).min(far(1)).min(far(2).min(L::splat(token, t_max)));
+        let entry = nx.max(ny).max(nz.max(L::splat(token, self.t_min)));
+        let exit = fx.min(fy).min(fz.min(L::splat(token, t_max)));
         (entry.le(exit).bits(), entry.spill())
+    }
+
+    /// Along the ray to one plane per axis and child.
+    #[inline(always)]
+    fn distances<L: Load<WIDTH>>(
+        &self,
+        token: L::Token,
+        rows: &[[f32; WIDTH]; 8],
+        planes: &[usize; 3],
+        origin: &[Real; 3],
+    ) -> [L; 3] {
+        let [x, y, z] = *planes;
+        let [ox, oy, oz] = origin.map(|o| L::splat(token, o));
+        let [ix, iy, iz] = self.inverse.map(|i| L::splat(token, i));
+        [
+            (L::load(token, &rows[x & 7]) - ox) * ix,
+            (L::load(token, &rows[y & 7]) - oy) * iy,
+            (L::load(token, &rows[z & 7]) - oz) * iz,
+        ]
     }
 }
