@@ -1,6 +1,6 @@
 //! Traversal against brute force and closed forms: which primitive, where, and never through a crack.
 
-use etendue::blob::format::{LANES, NONE, Packet, Sphere};
+use etendue::blob::format::{LANES, NONE, Node, Packet, Sphere};
 use etendue::real::Vec3;
 use etendue::shape::{self, Avx2, Bvh, Hit, Isa, IsaKind, Ray, Scalar, Sse2, Tracer};
 use etendue_host::compile::bvh::{self, Built};
@@ -153,7 +153,7 @@ fn soup(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
 /// The structure that `Bvh::new` relies on, checked the slow way.
 mod check {
     use super::*;
-    use etendue::blob::format::{MAX_DEPTH, Node, WIDTH, child};
+    use etendue::blob::format::{MAX_DEPTH, WIDTH, child};
 
     pub fn tree(built: &Built, triangles: &[Triangle], spheres: &[Sphere]) {
         assert!(!built.nodes.is_empty());
@@ -341,7 +341,7 @@ fn nothing_escapes_a_closed_mesh() {
 #[test]
 fn nothing_escapes_at_any_scale_or_place() {
     let mut random = Random(3);
-    for scale in [1e-12, 1e-4, 1e-2, 1e3, 1e6, 1e12] {
+    for scale in [1e-18, 1e-4, 1e-2, 1e3, 1e6, 1e17] {
         let (vertices, faces) = globe(24, |v| v * scale);
         assert_tight(&mut random, &vertices, &faces, Vec3::ZERO, 200_000);
     }
@@ -672,4 +672,102 @@ fn detection_agrees_with_std() {
         std::is_x86_feature_detected!("avx2")
     );
     assert!(IsaKind::best().available());
+}
+
+/// A ray along z from the origin shears nothing, so the exact answer is a matter of signs of differences
+/// of products that are exact in double precision. Edges pass the ray within the last bits.
+#[test]
+fn edges_are_decided_exactly() {
+    let mut random = Random(10);
+    let mut answers = [0; 2];
+    for i in 0..200_000 {
+        let mut near = || (random.unit() + 0.5) * if random.below(2) == 0 { 1.0 } else { -1.0 };
+        let (a, c) = ([near(), near()], [near(), near()]);
+        let stretch = 0.5 + near().abs();
+        let b = [-a[0] * stretch, -a[1] * stretch];
+        let scale = [1.0, 1e-18, 1e17, 1e-6][i % 4];
+        let triangle = [a, b, c].map(|[x, y]| [x * scale, y * scale, scale]);
+        let side = |p: [f32; 3], q: [f32; 3]| {
+            let (px_qy, py_qx) = (
+                f64::from(p[0]) * f64::from(q[1]),
+                f64::from(p[1]) * f64::from(q[0]),
+            );
+            px_qy.total_cmp(&py_qx) as i32
+        };
+        let [a, b, c] = triangle;
+        let sides = [side(a, b), side(b, c), side(c, a)];
+        let expected = !(sides.contains(&1) && sides.contains(&-1)) && sides != [0; 3];
+        let world = World::new(&[triangle], &[]);
+        let hit = world.closest(&ray(Vec3::ZERO, Vec3::Z));
+        assert_eq!(hit.is_some(), expected, "{triangle:?} {sides:?}");
+        if let Some(hit) = hit {
+            assert!((hit.t / scale - 1.0).abs() < 1e-6, "{hit:?}");
+        }
+        answers[usize::from(expected)] += 1;
+    }
+    assert!(
+        answers.iter().all(|n| *n > 20_000),
+        "{answers:?}: one-sided"
+    );
+}
+
+/// The same source in double precision meets the same primitives, but for rounding.
+#[test]
+fn double_precision_agrees() {
+    use etendue_f64::blob::format as wide;
+    use etendue_f64::shape::Tracer as _;
+
+    let mut random = Random(11);
+    let triangles = soup(&mut random, 500, 0.3);
+    let spheres: Vec<_> = (0..50)
+        .map(|_| (random.cube().to_array(), 0.01 + 0.1 * random.unit()))
+        .collect();
+    let world = World::new(&triangles, &spheres);
+    let copy = |n: &Node| wide::Node {
+        low: n.low,
+        high: n.high,
+        children: n.children,
+        reserved: n.reserved,
+    };
+    let nodes: Vec<_> = world.built.nodes.iter().map(copy).collect();
+    let packets: Vec<_> = world
+        .built
+        .packets
+        .iter()
+        .map(|p| wide::Packet { v: p.v })
+        .collect();
+    let copy = |s: &Sphere| wide::Sphere {
+        center: s.center,
+        radius: s.radius,
+        shape: s.shape,
+        flipped: s.flipped,
+        reserved: s.reserved,
+    };
+    let spheres: Vec<_> = world.spheres.iter().map(copy).collect();
+    // SAFETY: copies of what `check::tree` has verified.
+    let reference = unsafe {
+        etendue_f64::shape::Bvh::new(&nodes, &packets, &spheres, etendue_f64::shape::Scalar)
+    };
+    let (mut same, rays) = (0, 20_000);
+    for _ in 0..rays {
+        let ray = ray(random.cube() * 2.0, random.direction());
+        let hit = world.closest(&ray);
+        let exact = reference.closest(&etendue_f64::shape::Ray {
+            origin: ray.origin.as_dvec3(),
+            direction: ray.direction.as_dvec3(),
+            t_min: 0.0,
+            t_max: f64::INFINITY,
+        });
+        if hit.map(|h| h.primitive) == exact.map(|h| h.primitive) {
+            same += 1;
+            if let (Some(hit), Some(exact)) = (hit, exact) {
+                assert!(
+                    (f64::from(hit.t) - exact.t).abs() < 1e-4,
+                    "{hit:?} {exact:?}"
+                );
+            }
+        }
+    }
+    // Only rays that graze an edge may differ.
+    assert!(same > rays - 10, "{same} of {rays}");
 }
