@@ -20,9 +20,10 @@
 //!
 //! # Primitives
 //! Triangles live in [`Packet`]s of [`LANES`] (structure of arrays). Triangle *slot* `p·LANES + l` is
-//! lane `l` of packet `p`, and the slot is the primitive's id; empty lanes have a degenerate triangle
-//! (all nine coordinates 0) and an all-[`NONE`] [`Triangle`]. Sphere `i` has id `world.sphere_base + i`, where
-//! `sphere_base = packets·LANES`. The geometric normal of a triangle is (v₁−v₀)×(v₂−v₀), outwards.
+//! lane `l` of packet `p`, and the slot is the primitive's id; empty lanes have a triangle with
+//! v₀ = v₁, bit by bit, which no ray meets, and an all-[`NONE`] [`Triangle`]. (Take v₀ ≠ v₂: the edge
+//! functions of such a triangle differ in sign for nearly all rays, so the test drops it early.)
+//! Sphere `i` has id `world.sphere_base + i`, where `sphere_base = packets·LANES`. The geometric normal of a triangle is (v₁−v₀)×(v₂−v₀), outwards.
 //!
 //! # Tree
 //! Eight-wide nodes; node 0 is the root. A child is a box and a *reference* ([`child`]): empty, a node,

@@ -12,7 +12,7 @@ use super::isa::Isa;
 use super::lanes::{Load, LoadPair};
 use super::ray::{Hit, Ray, Tracer};
 use super::slab::{Bounds, Slabs};
-use super::triangle::{Axis, Met, Shear};
+use super::triangle::{Axis, Met, Shear, Triangles};
 use super::{sphere, triangle};
 use crate::blob::format::{LANES, MAX_DEPTH, Node, Packet, Sphere, WIDTH, child};
 use crate::real::{Real, Vec3, vec3};
@@ -171,7 +171,11 @@ fn traverse<I: Isa, Q: Query>(bvh: &Bvh<I>, ray: &Ray, query: &mut Q) {
     };
     let shear = Shear::new(ray);
     let token = bvh.isa.token();
-    let mut stack = Stack::new();
+    let mut keys = Keys([const { MaybeUninit::uninit() }; STACK]);
+    let mut stack = Stack {
+        keys: &mut keys.0,
+        len: 0,
+    };
     let mut reference = 0;
     loop {
         if reference & child::LEAF == 0 {
@@ -181,6 +185,7 @@ fn traverse<I: Isa, Q: Query>(bvh: &Bvh<I>, ray: &Ray, query: &mut Q) {
             let take = |mask: &mut u32| {
                 let i = mask.trailing_zeros() as usize % WIDTH;
                 *mask &= *mask - 1;
+                prefetch(bvh, node.children[i]);
                 key(entry[i], node.children[i])
             };
             if mask != 0 {
@@ -265,9 +270,8 @@ fn leaf<I: Isa, Q: Query>(
     let mut slot = (start * LANES) as u32;
     if I::PAIRS {
         while let [a, b, rest @ ..] = packets {
-            let met = triangle::intersect(token, shear, t_min, query.t_max(), |i, axis| {
-                I::Eight::load_pair(token, row(a, i, axis), row(b, i, axis))
-            });
+            let pair = Pair::<I>(a, b, token);
+            let met = triangle::intersect::<I::Eight>(token, shear, t_min, query.t_max(), &pair);
             if met.is_some_and(|met| offer(slot, &met, query)) {
                 return true;
             }
@@ -276,9 +280,8 @@ fn leaf<I: Isa, Q: Query>(
         }
     }
     for packet in packets {
-        let met = triangle::intersect(token, shear, t_min, query.t_max(), |i, axis| {
-            I::Four::load(token, row(packet, i, axis))
-        });
+        let one = One::<I>(packet, token);
+        let met = triangle::intersect::<I::Four>(token, shear, t_min, query.t_max(), &one);
         if met.is_some_and(|met| offer(slot, &met, query)) {
             return true;
         }
@@ -307,11 +310,57 @@ fn offer<Q: Query>(slot: u32, met: &Met, query: &mut Q) -> bool {
     false
 }
 
-/// Coordinates of a packet's vertices `i`.
+/// The triangles of a packet.
+struct One<'a, I: Isa>(&'a Packet, I::Token);
+
+impl<I: Isa> Triangles<I::Four> for One<'_, I> {
+    #[inline(always)]
+    fn coordinate(&self, i: usize, axis: Axis) -> I::Four {
+        I::Four::load(self.1, row(self.0, i, axis))
+    }
+}
+
+/// The triangles of two packets.
+struct Pair<'a, I: Isa>(&'a Packet, &'a Packet, I::Token);
+
+impl<I: Isa> Triangles<I::Eight> for Pair<'_, I> {
+    #[inline(always)]
+    fn coordinate(&self, i: usize, axis: Axis) -> I::Eight {
+        I::Eight::load_pair(self.2, row(self.0, i, axis), row(self.1, i, axis))
+    }
+}
+
+/// That coordinate of a packet's vertices `i`.
 #[inline(always)]
 fn row(packet: &Packet, i: usize, axis: Axis) -> &[f32; LANES] {
     // SAFETY: an axis is below 3.
     unsafe { packet.v[i].get_unchecked(axis.index()) }
+}
+
+/// Asks for what a child refers to: the lines of a node, or the first of a leaf's packets. Of three
+/// children that a ray meets two wait on the stack for a while, enough for memory to answer.
+#[inline(always)]
+fn prefetch<I: Isa>(bvh: &Bvh<I>, reference: u32) {
+    let (start, lines) = if reference & child::LEAF == 0 {
+        (
+            bvh.nodes
+                .as_ptr()
+                .wrapping_add(reference as usize)
+                .cast::<[u8; 64]>(),
+            4,
+        )
+    } else {
+        (
+            bvh.packets
+                .as_ptr()
+                .wrapping_add(run(reference).0)
+                .cast::<[u8; 64]>(),
+            3,
+        )
+    };
+    for line in 0..lines {
+        I::prefetch(start.wrapping_add(line));
+    }
 }
 
 /// First and number of a leaf's packets or spheres.
@@ -349,22 +398,22 @@ fn entry_of(key: u64) -> Real {
     f32::from_bits((key >> 32) as u32).into()
 }
 
-/// Subtrees still to visit. A path has at most `MAX_DEPTH + 1` nodes, and each leaves at most
-/// `WIDTH − 1` children here while one is visited.
-struct Stack {
-    keys: [MaybeUninit<u64>; (WIDTH - 1) * (MAX_DEPTH as usize + 1)],
+/// A path has at most `MAX_DEPTH + 1` nodes, and each leaves at most
+/// `WIDTH − 1` children on the stack while one is visited.
+const STACK: usize = (WIDTH - 1) * (MAX_DEPTH as usize + 1);
+
+/// Aligned, so that the frame is: compilers don't align it for vectors that they spill.
+#[repr(align(64))]
+struct Keys([MaybeUninit<u64>; STACK]);
+
+/// Subtrees still to visit, nearest on top.
+struct Stack<'a> {
+    /// Behind a reference, so that `len` can live in a register.
+    keys: &'a mut [MaybeUninit<u64>; STACK],
     len: usize,
 }
 
-impl Stack {
-    #[inline(always)]
-    fn new() -> Self {
-        Self {
-            keys: [MaybeUninit::uninit(); _],
-            len: 0,
-        }
-    }
-
+impl Stack<'_> {
     /// # Safety
     /// There must be room.
     #[inline(always)]

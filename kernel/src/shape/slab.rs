@@ -11,7 +11,8 @@
 //! - a slab's distance (b − o)·(1/d) has a relative error of 3u, as if b had moved by 3uR.
 //!
 //! So boxes grow by 16uR ≥ 9uR. That costs nothing: the near planes are tested against an origin
-//! moved by it along the ray's octant, the far ones against one moved the other way.
+//! moved by it along the ray's octant, the far ones against one moved the other way. Another 2u|o|
+//! make up for the rounding of the moved origins, when the scene is far from the world's.
 
 use bytemuck::cast_ref;
 
@@ -97,7 +98,7 @@ impl Slabs {
         if reach >= Real::MAX {
             return None;
         }
-        let grown = reach * (16.0 * UNIT_ROUNDOFF);
+        let grown = (16.0 * reach + 2.0 * ray.origin.abs().max_element()) * UNIT_ROUNDOFF;
         let mut slabs = Self {
             near: [0; 3],
             far: [0; 3],
@@ -110,18 +111,18 @@ impl Slabs {
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         for axis in 0..3 {
             let (o, d) = (origin[axis], direction[axis]);
-            let (above, below) = (up(o, grown), -up(-o, grown));
-            let backward = d.is_sign_negative();
-            let size = if d.abs() > LEAST_DIRECTION {
+            let least = if d.abs() > LEAST_DIRECTION {
                 d.abs()
             } else {
                 LEAST_DIRECTION
             };
-            slabs.inverse[axis] = if backward { -1.0 / size } else { 1.0 / size };
-            slabs.near[axis] = if backward { axis + 3 } else { axis };
-            slabs.far[axis] = if backward { axis } else { axis + 3 };
-            slabs.near_origin[axis] = if backward { below } else { above };
-            slabs.far_origin[axis] = if backward { above } else { below };
+            let backward = 3 * usize::from(d.is_sign_negative());
+            let moved = grown.copysign(d);
+            slabs.inverse[axis] = (1.0 / least).copysign(d);
+            slabs.near[axis] = axis + backward;
+            slabs.far[axis] = axis + 3 - backward;
+            slabs.near_origin[axis] = o + moved;
+            slabs.far_origin[axis] = o - moved;
         }
         Some(slabs)
     }
@@ -134,28 +135,31 @@ impl Slabs {
         node: &Node,
         t_max: Real,
     ) -> (u32, [Real; MOST]) {
-        let rows: &[[f32; WIDTH]; 8] = cast_ref(node);
-        let distance = |row: usize, origin: Real, inverse: Real| {
-            (L::load(token, &rows[row & 7]) - L::splat(token, origin)) * L::splat(token, inverse)
-        };
-        let near = |i: usize| distance(self.near[i], self.near_origin[i], self.inverse[i]);
-        let far = |i: usize| distance(self.far[i], self.far_origin[i], self.inverse[i]);
+        let rows = cast_ref(node);
+        let [nx, ny, nz] = self.distances::<L>(token, rows, &self.near, &self.near_origin);
+        let [fx, fy, fz] = self.distances::<L>(token, rows, &self.far, &self.far_origin);
         // t_min comes last, so that a −0 can't win against a +0.
-        let entry = near(0)
-            .max(near(1))
-            .max(near(2).max(L::splat(token, self.t_min)));
-        let exit = far(0).min(far(1)).min(far(2).min(L::splat(token, t_max)));
+        let entry = nx.max(ny).max(nz.max(L::splat(token, self.t_min)));
+        let exit = fx.min(fy).min(fz.min(L::splat(token, t_max)));
         (entry.le(exit).bits(), entry.spill())
     }
-}
 
-/// At least x + y, for y ≥ 0, and more than x.
-#[inline(always)]
-fn up(x: Real, y: Real) -> Real {
-    let sum = x + y;
-    if sum - x < y || sum == x {
-        sum.next_up()
-    } else {
-        sum
+    /// Along the ray to one plane per axis and child.
+    #[inline(always)]
+    fn distances<L: Load<WIDTH>>(
+        &self,
+        token: L::Token,
+        rows: &[[f32; WIDTH]; 8],
+        planes: &[usize; 3],
+        origin: &[Real; 3],
+    ) -> [L; 3] {
+        let [x, y, z] = *planes;
+        let [ox, oy, oz] = origin.map(|o| L::splat(token, o));
+        let [ix, iy, iz] = self.inverse.map(|i| L::splat(token, i));
+        [
+            (L::load(token, &rows[x & 7]) - ox) * ix,
+            (L::load(token, &rows[y & 7]) - oy) * iy,
+            (L::load(token, &rows[z & 7]) - oz) * iz,
+        ]
     }
 }

@@ -23,13 +23,16 @@ impl Axis {
         usize::from(self.0)
     }
 
+    /// The component of a vector, without a branch: which axis it is can't be predicted.
     #[inline(always)]
     fn of(self, v: Vec3) -> Real {
-        match self.0 {
-            0 => v.x,
-            1 => v.y,
-            _ => v.z,
-        }
+        [v.x, v.y, v.z, 0.0][usize::from(self.0 & 3)]
+    }
+
+    /// The axis after this one, in a circle.
+    #[inline(always)]
+    fn next(self) -> Self {
+        Self([1, 2, 0, 0][usize::from(self.0 & 3)])
     }
 }
 
@@ -51,13 +54,12 @@ impl Shear {
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let size = d.abs();
-        let axes = if size.x > size.y && size.x > size.z {
-            [Axis(1), Axis(2), Axis(0)]
-        } else if size.y > size.z {
-            [Axis(2), Axis(0), Axis(1)]
+        let last = Axis(if size.z >= size.x.max(size.y) {
+            2
         } else {
-            [Axis(0), Axis(1), Axis(2)]
-        };
+            u8::from(size.y > size.x)
+        });
+        let axes = [last.next(), last.next().next(), last];
         let z = 1.0 / axes[2].of(d);
         Self {
             axes,
@@ -81,25 +83,41 @@ pub struct Met {
     pub v: [Real; MOST],
 }
 
-/// Where t_min < t ≤ t_max, both included in a way that suits ties: the caller sorts out t = t_max.
-/// `coordinate(i, axis)` is that coordinate of vertices i.
+/// Triangles to test, one per lane.
+pub trait Triangles<L> {
+    /// That coordinate of vertex `i` of each.
+    fn coordinate(&self, i: usize, axis: Axis) -> L;
+}
+
+/// Vertex `i` of each triangle as seen from the ray.
+#[inline(always)]
+fn sheared<L: Lanes>(
+    token: L::Token,
+    shear: &Shear,
+    triangles: &impl Triangles<L>,
+    i: usize,
+) -> (L, L, L) {
+    let [ax, ay, az] = shear.axes;
+    let [ox, oy, oz] = shear.origin;
+    let z = triangles.coordinate(i, az) - L::splat(token, oz);
+    let x = triangles.coordinate(i, ax) - L::splat(token, ox) - L::splat(token, shear.x) * z;
+    let y = triangles.coordinate(i, ay) - L::splat(token, oy) - L::splat(token, shear.y) * z;
+    (x, y, z)
+}
+
+/// Which triangles the ray meets at t_min < t ≤ t_max. At `t_max` itself, because of ties: the caller
+/// knows what it already has there.
 #[inline(always)]
 pub fn intersect<L: Lanes>(
     token: L::Token,
     shear: &Shear,
     t_min: Real,
     t_max: Real,
-    coordinate: impl Fn(usize, Axis) -> L,
+    triangles: &impl Triangles<L>,
 ) -> Option<Met> {
-    let splat = |x| L::splat(token, x);
-    let [ax, ay, az] = shear.axes;
-    let sheared = |i| {
-        let z = coordinate(i, az) - splat(shear.origin[2]);
-        let x = coordinate(i, ax) - splat(shear.origin[0]) - splat(shear.x) * z;
-        let y = coordinate(i, ay) - splat(shear.origin[1]) - splat(shear.y) * z;
-        (x, y, z)
-    };
-    let ((x0, y0, z0), (x1, y1, z1), (x2, y2, z2)) = (sheared(0), sheared(1), sheared(2));
+    let (x0, y0, z0) = sheared(token, shear, triangles, 0);
+    let (x1, y1, z1) = sheared(token, shear, triangles, 1);
+    let (x2, y2, z2) = sheared(token, shear, triangles, 2);
 
     // Edge function i is twice the area that vertex i's weight is proportional to.
     let mut e0 = x2 * y1 - y2 * x1;
@@ -107,7 +125,7 @@ pub fn intersect<L: Lanes>(
     let mut e2 = x1 * y0 - y1 * x0;
     // Inside unless two signs differ. A NaN (of huge coordinates) may drop out of min and max, which
     // errs towards inside; the determinant will tell.
-    let zero = splat(0.0);
+    let zero = L::splat(token, 0.0);
     let inside = zero.le(e0.min(e1).min(e2)) | e0.max(e1).max(e2).le(zero);
     let mut lanes = inside.bits();
     if lanes == 0 {
@@ -116,7 +134,7 @@ pub fn intersect<L: Lanes>(
 
     let mut determinant = e0 + e1 + e2;
     let size = determinant.max(zero - determinant);
-    let fair = splat(FAIR.0).le(size) & size.le(splat(FAIR.1));
+    let fair = L::splat(token, FAIR.0).le(size) & size.le(L::splat(token, FAIR.1));
     let doubtful = (e0.eq(zero) | e1.eq(zero) | e2.eq(zero)).bits() | !fair.bits();
     if lanes & doubtful != 0 {
         let mut e = [e0.spill(), e1.spill(), e2.spill()];
@@ -134,9 +152,9 @@ pub fn intersect<L: Lanes>(
     }
 
     // All weights have one sign: t is a mean of the vertices', nothing cancels.
-    let inverse = splat(1.0) / determinant;
-    let t = (e0 * z0 + e1 * z1 + e2 * z2) * splat(shear.z) * inverse;
-    lanes &= (splat(t_min).lt(t) & t.le(splat(t_max))).bits();
+    let inverse = L::splat(token, 1.0) / determinant;
+    let t = (e0 * z0 + e1 * z1 + e2 * z2) * L::splat(token, shear.z) * inverse;
+    lanes &= (L::splat(token, t_min).lt(t) & t.le(L::splat(token, t_max))).bits();
     if lanes == 0 {
         return None;
     }
