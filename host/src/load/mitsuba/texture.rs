@@ -48,7 +48,7 @@ impl Loader<'_> {
             return Ok(done);
         }
         let plugin = Plugin::new(self.document, index)?;
-        let mut to_uv = self.to_uv(&plugin)?;
+        let mut to_uv = self.uv_matrix(&plugin)?;
         let pattern = match plugin.kind {
             "bitmap" => self.bitmap(&plugin, grey)?,
             "checkerboard" => {
@@ -74,7 +74,7 @@ impl Loader<'_> {
         Ok(done)
     }
 
-    fn to_uv(&mut self, plugin: &Plugin) -> Result<[[f32; 3]; 2], LoadError> {
+    fn uv_matrix(&mut self, plugin: &Plugin) -> Result<[[f32; 3]; 2], LoadError> {
         let m = plugin.transform("to_uv")?.transpose();
         if m.x_axis.z != 0.0 || m.y_axis.z != 0.0 {
             self.warn(
