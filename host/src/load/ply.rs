@@ -140,6 +140,13 @@ impl<'a> Reader<'a> {
                 }
                 each(record, p, &values).map_err(|text| self.fail(text))?;
             }
+            if words.next().is_some() {
+                let text = format!(
+                    "more values in the line, expected those of element {}",
+                    element.name
+                );
+                return Err(self.fail(text));
+            }
         }
         Ok(())
     }

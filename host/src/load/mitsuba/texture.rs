@@ -1,7 +1,7 @@
 //! Textures: bitmap and checkerboard.
 
 use super::Loader;
-use super::value::Plugin;
+use super::plugin::Plugin;
 use crate::description::{Color, ColorSource, Pattern, Texels, Texture, Wrap};
 use crate::load::bitmap::to_grey;
 use crate::load::error::LoadError;

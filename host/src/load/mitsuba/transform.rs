@@ -1,6 +1,7 @@
 //! `<transform>`: steps in the order listed, the first acts first.
 
-use super::document::{Document, Node};
+use super::document::Document;
+use super::node::Node;
 use super::value::{numbers, vector};
 use crate::load::error::{LoadError, Problem};
 use glam::{DMat3, DMat4, DVec3};

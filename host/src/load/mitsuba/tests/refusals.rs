@@ -371,6 +371,7 @@ fn unsupported_and_unused_is_a_warning() {
     );
     assert!(fog.contains("medium \"fog\" is not supported yet"), "{fog}");
     assert!(loaded.description.materials.is_empty());
+    assert!(bad("<bsdf type='roughconducter'/>").contains("unknown plugin"));
     assert!(good("").warnings[0].ends_with("nothing in the scene emits light"));
     assert!(
         good("<integrator type='bdpt'/>").warnings[0]

@@ -1,5 +1,7 @@
 //! Meshes and images written to bytes and read back; every way of breaking them.
 
+mod robust;
+
 use super::{RawMesh, bitmap, obj, ply, serialized};
 use flate2::{Compression, write::ZlibEncoder};
 use std::io::Write;
@@ -408,59 +410,4 @@ fn floats_come_from_exr_and_hdr() {
         (texels[0][2] - 100.0).abs() < 0.5 && (texels[1][1] - 1.0).abs() < 0.01,
         "{texels:?}"
     );
-}
-
-/// How long a million triangles take: `cargo test --release -- --ignored --nocapture million`.
-#[test]
-#[ignore = "a measurement"]
-fn million_triangles() {
-    use std::time::Instant;
-    let n = 708u32;
-    let at = |i: u32, j: u32| i * (n + 1) + j;
-    let height = |i: u32, j: u32| ((i * 7 + j * 13) % 101) as f32 / 101.0;
-    let (mut ply, mut text) = (Vec::new(), String::new());
-    let (vertices, faces) = ((n + 1) * (n + 1), 2 * n * n);
-    ply.extend(
-        format!("ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\n").bytes(),
-    );
-    ply.extend(b"property float x\nproperty float y\nproperty float z\n");
-    ply.extend(
-        format!("element face {faces}\nproperty list uchar int vertex_indices\nend_header\n")
-            .bytes(),
-    );
-    for i in 0..=n {
-        for j in 0..=n {
-            let p = [i as f32 / n as f32, j as f32 / n as f32, height(i, j)];
-            p.iter().for_each(|x| ply.extend(x.to_le_bytes()));
-            text += &format!("v {} {} {}\n", p[0], p[1], p[2]);
-        }
-    }
-    for i in 0..n {
-        for j in 0..n {
-            for f in [
-                [at(i, j), at(i + 1, j), at(i, j + 1)],
-                [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)],
-            ] {
-                ply.push(3);
-                f.iter().for_each(|k| ply.extend(k.to_le_bytes()));
-                text += &format!("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1);
-            }
-        }
-    }
-    let dir = tempfile::tempdir().expect("a folder");
-    for (kind, bytes) in [("ply", ply.as_slice()), ("obj", text.as_bytes())] {
-        std::fs::write(dir.path().join("m"), bytes).expect("a file");
-        let scene = format!(
-            "<scene version='3.0.0'><sensor type='perspective'/><shape type='{kind}'>
-             <string name='filename' value='m'/></shape></scene>"
-        );
-        std::fs::write(dir.path().join("s.xml"), scene).expect("a file");
-        let start = Instant::now();
-        super::load(&dir.path().join("s.xml"), &[]).expect("a scene");
-        println!(
-            "{kind}: {faces} triangles of {} bytes in {:?}",
-            bytes.len(),
-            start.elapsed()
-        );
-    }
 }
