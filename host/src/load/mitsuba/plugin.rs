@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::node::Node;
 use super::transform;
-use super::value::{hexadecimal, number, numbers, vector};
+use super::value::{color, number, vector};
 use crate::description::Color;
 use crate::load::error::{LoadError, Problem};
 use glam::DMat4;
@@ -265,56 +265,7 @@ impl<'a> Plugin<'a> {
         if node.tag == "texture" {
             return Err(self.unsupported(format!("a texture as {name}"), "give an <rgb>"));
         }
-        self.color_at(name, node).map(Some)
-    }
-
-    /// The colour that an element says.
-    pub fn color_at(&self, name: &str, node: &Node) -> Result<Color, LoadError> {
-        if !["rgb", "spectrum", "float", "integer"].contains(&node.tag.as_str()) {
-            return Err(self.invalid(
-                name,
-                "an <rgb>, <spectrum> or <float>",
-                format!("<{}>", node.tag),
-            ));
-        }
-        if node.tag == "spectrum"
-            && (node.get("filename").is_some()
-                || node.get("value").is_some_and(|v| v.contains(':')))
-        {
-            let instead = "give one value, or an <rgb>".into();
-            let problem = Problem::Unsupported {
-                what: format!("a list of wavelengths as {name}"),
-                instead,
-            };
-            return Err(node.error(self.kind, problem));
-        }
-        node.only(&["name", "value"])?;
-        let text = node.need("value")?;
-        let wrong = |expected: &str| {
-            let (what, found) = (name.to_owned(), format!("\"{text}\""));
-            node.error(
-                self.kind,
-                Problem::Invalid {
-                    what,
-                    expected: expected.into(),
-                    found,
-                },
-            )
-        };
-        let color = match (node.tag.as_str(), text.trim().strip_prefix('#')) {
-            ("rgb", Some(hex)) => hexadecimal(hex).ok_or_else(|| wrong("#RRGGBB"))?,
-            (tag, _) => match (tag, numbers(text).as_deref()) {
-                (_, Some(&[v])) => [v as f32; 3],
-                ("rgb", Some(&[r, g, b])) => [r as f32, g as f32, b as f32],
-                ("rgb", _) => return Err(wrong("1 or 3 finite numbers, or #RRGGBB")),
-                _ => return Err(wrong("a finite number")),
-            },
-        };
-        if color.iter().all(|c| *c >= 0.0 && c.is_finite()) {
-            Ok(color)
-        } else {
-            Err(wrong(">= 0 and finite"))
-        }
+        color(node, self.kind, name).map(Some)
     }
 
     /// Objects of one kind among the children, references resolved, those asked for by name left out.

@@ -2,6 +2,7 @@
 
 use super::Loader;
 use super::plugin::Plugin;
+use super::value::color;
 use crate::description::{Color, ColorSource, Pattern, Texels, Texture, Wrap};
 use crate::load::bitmap::to_grey;
 use crate::load::error::LoadError;
@@ -35,7 +36,7 @@ impl Loader<'_> {
             }
             return Ok(ColorSource::Texture(texture));
         }
-        let color = plugin.color_at(name, node)?;
+        let color = color(node, plugin.kind, name)?;
         if color.iter().any(|c| *c > 1.0) {
             return Err(plugin.invalid(name, "from 0 to 1", show(color)));
         }

@@ -63,8 +63,57 @@ pub fn vector(node: &Node, subject: &str, default: f64) -> Result<[f64; 3], Load
     }
 }
 
+/// The colour that an element says, each channel ≥ 0.
+pub fn color(node: &Node, subject: &str, name: &str) -> Result<Color, LoadError> {
+    if !["rgb", "spectrum", "float", "integer"].contains(&node.tag.as_str()) {
+        let problem = Problem::Invalid {
+            what: name.into(),
+            expected: "an <rgb>, <spectrum> or <float>".into(),
+            found: format!("<{}>", node.tag),
+        };
+        return Err(node.error(subject, problem));
+    }
+    if node.tag == "spectrum"
+        && (node.get("filename").is_some() || node.get("value").is_some_and(|v| v.contains(':')))
+    {
+        let instead = "give one value, or an <rgb>".into();
+        let problem = Problem::Unsupported {
+            what: format!("a list of wavelengths as {name}"),
+            instead,
+        };
+        return Err(node.error(subject, problem));
+    }
+    node.only(&["name", "value"])?;
+    let text = node.need("value")?;
+    let wrong = |expected: &str| {
+        let (what, found) = (name.to_owned(), format!("\"{text}\""));
+        node.error(
+            subject,
+            Problem::Invalid {
+                what,
+                expected: expected.into(),
+                found,
+            },
+        )
+    };
+    let color = match (node.tag.as_str(), text.trim().strip_prefix('#')) {
+        ("rgb", Some(hex)) => hexadecimal(hex).ok_or_else(|| wrong("#RRGGBB"))?,
+        (tag, _) => match (tag, numbers(text).as_deref()) {
+            (_, Some(&[v])) => [v as f32; 3],
+            ("rgb", Some(&[r, g, b])) => [r as f32, g as f32, b as f32],
+            ("rgb", _) => return Err(wrong("1 or 3 finite numbers, or #RRGGBB")),
+            _ => return Err(wrong("a finite number")),
+        },
+    };
+    if color.iter().all(|c| *c >= 0.0 && c.is_finite()) {
+        Ok(color)
+    } else {
+        Err(wrong(">= 0 and finite"))
+    }
+}
+
 /// `RRGGBB`, sRGB-coded.
-pub fn hexadecimal(hex: &str) -> Option<Color> {
+fn hexadecimal(hex: &str) -> Option<Color> {
     let bits = (hex.len() == 6 && hex.is_ascii()).then(|| u32::from_str_radix(hex, 16).ok())??;
     Some([16, 8, 0].map(|s| srgb_to_linear((bits >> s & 0xff) as f32 / 255.0)))
 }
