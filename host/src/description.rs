@@ -56,7 +56,8 @@ pub struct Sensor {
     pub forward: [f32; 3],
     /// Nearest and farthest depth along the axis.
     pub clip: [f32; 2],
-    /// Offset of the principal point in units of image width and height.
+    /// Offset of the principal point in units of image width and height: a point (x, y) of the film
+    /// looks where (x, y) + `principal` would without it.
     pub principal: [f32; 2],
     /// Columns and rows of the full image.
     pub resolution: [u32; 2],
@@ -258,7 +259,7 @@ pub struct Texture {
 /// Where a texture's colours come from.
 #[derive(Clone, Debug)]
 pub enum Pattern {
-    /// A unit checkerboard of two colours.
+    /// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even.
     Checkerboard {
         /// Both colours.
         colors: [Color; 2],

@@ -200,7 +200,7 @@ pub fn to_grey(image: &mut Image) {
     if !is_grey {
         let mut texels = linear(&image.texels);
         for t in &mut texels {
-            *t = [0.212_671 * t[0] + 0.715_160 * t[1] + 0.072_169 * t[2]; 3];
+            *t = [0.212_671 * t[0] + 0.715_16 * t[1] + 0.072_169 * t[2]; 3];
         }
         image.texels = Texels::Float(texels);
     }

@@ -11,8 +11,8 @@ pub struct LoadError {
     pub place: Place,
     /// Whose fault: an element or a plugin's type; may be empty.
     pub subject: String,
-    /// What is wrong.
-    pub problem: Problem,
+    /// What is wrong; boxed so that results stay small.
+    pub problem: Box<Problem>,
 }
 
 /// What is wrong.
@@ -100,7 +100,7 @@ impl LoadError {
         Self {
             place: place.clone(),
             subject: subject.into(),
-            problem,
+            problem: Box::new(problem),
         }
     }
 

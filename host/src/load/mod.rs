@@ -9,6 +9,9 @@ pub mod obj;
 pub mod ply;
 pub mod serialized;
 
+#[cfg(test)]
+mod tests;
+
 pub use error::{LoadError, Problem};
 pub use mesh::RawMesh;
 

@@ -56,7 +56,8 @@ pub fn parse(
     for (number, line) in bytes.split(|&b| b == b'\n').enumerate() {
         let number = number as u32 + 1;
         let fail = |text: String| LoadError::malformed(path, number, text);
-        let line = std::str::from_utf8(line).unwrap_or("#").trim();
+        let line = String::from_utf8_lossy(line);
+        let line = line.split('#').next().unwrap_or("").trim();
         let (keyword, rest) = line.split_once([' ', '\t']).unwrap_or((line, ""));
         match keyword {
             "v" => v.push(numbers(rest, 3).map_err(fail)?),
@@ -87,7 +88,6 @@ pub fn parse(
             }
             "" | "g" | "o" | "s" | "mtllib" | "usemtl" | "usemap" | "maplib" | "lod" | "bevel"
             | "c_interp" | "d_interp" => {}
-            _ if keyword.starts_with('#') => {}
             "l" | "p" => left_out += 1,
             _ => {
                 return Err(fail(format!(

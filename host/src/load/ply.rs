@@ -1,124 +1,12 @@
 //! PLY: ASCII and binary of both byte orders; polygons as fans. Binary data of fixed stride is read
 //! column by column, which keeps a million triangles well under a second.
 
+mod header;
+
 use super::RawMesh;
 use super::error::{LoadError, read};
+use header::{Element, Format, Kind, Property};
 use std::path::Path;
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Kind {
-    fn parse(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Self::I8,
-            "uchar" | "uint8" => Self::U8,
-            "short" | "int16" => Self::I16,
-            "ushort" | "uint16" => Self::U16,
-            "int" | "int32" => Self::I32,
-            "uint" | "uint32" => Self::U32,
-            "float" | "float32" => Self::F32,
-            "double" | "float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
-
-    /// The number at the start of `b`, which is long enough.
-    fn number(self, b: &[u8], big: bool) -> f64 {
-        let mut raw = [0u8; 8];
-        let n = self.size();
-        raw[..n].copy_from_slice(&b[..n]);
-        if big {
-            raw[..n].reverse();
-        }
-        let bits = u64::from_le_bytes(raw);
-        match self {
-            Self::I8 => f64::from(bits as i8),
-            Self::U8 => f64::from(bits as u8),
-            Self::I16 => f64::from(bits as i16),
-            Self::U16 => f64::from(bits as u16),
-            Self::I32 => f64::from(bits as i32),
-            Self::U32 => f64::from(bits as u32),
-            Self::F32 => f64::from(f32::from_bits(bits as u32)),
-            Self::F64 => f64::from_bits(bits),
-        }
-    }
-}
-
-#[derive(Debug)]
-struct Property {
-    name: String,
-    /// Type of a list's count.
-    count: Option<Kind>,
-    kind: Kind,
-}
-
-#[derive(Debug)]
-struct Element {
-    name: String,
-    count: usize,
-    properties: Vec<Property>,
-}
-
-impl Element {
-    /// Bytes per record, if all are the same.
-    fn stride(&self) -> Option<usize> {
-        self.properties
-            .iter()
-            .map(|p| p.count.is_none().then(|| p.kind.size()))
-            .sum()
-    }
-
-    /// The fewest bytes that a record can take.
-    fn least(&self, ascii: bool) -> usize {
-        let size = |p: &Property| {
-            if ascii {
-                2
-            } else {
-                p.count.unwrap_or(p.kind).size()
-            }
-        };
-        self.properties.iter().map(size).sum()
-    }
-
-    fn find(&self, names: &[&str]) -> Option<usize> {
-        self.properties
-            .iter()
-            .position(|p| p.count.is_none() && names.contains(&p.name.as_str()))
-    }
-
-    fn columns<const N: usize>(&self, names: [&[&str]; N]) -> Option<[usize; N]> {
-        let found = names.map(|n| self.find(n));
-        found
-            .iter()
-            .all(Option::is_some)
-            .then(|| found.map(|c| c.unwrap_or(0)))
-    }
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Format {
-    Ascii,
-    Binary { big: bool },
-}
 
 /// Reads a PLY file.
 pub fn load(path: &Path) -> Result<RawMesh, LoadError> {
@@ -133,7 +21,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<RawMesh, LoadError> {
         line: 0,
         path,
     };
-    let (format, elements) = reader.header()?;
+    let (format, elements) = header::parse(&mut reader)?;
     let mut mesh = RawMesh::default();
     for element in &elements {
         let left = bytes.len().saturating_sub(reader.at);
@@ -199,90 +87,6 @@ impl<'a> Reader<'a> {
         )
     }
 
-    fn header(&mut self) -> Result<(Format, Vec<Element>), LoadError> {
-        if self.next_line() != Some("ply") {
-            return Err(self.fail("first line isn't \"ply\", expected a PLY file"));
-        }
-        let mut format = None;
-        let mut elements: Vec<Element> = Vec::new();
-        loop {
-            let line = self
-                .next_line()
-                .ok_or_else(|| self.fail("header ends too early, expected end_header"))?;
-            let words: Vec<&str> = line.split_ascii_whitespace().collect();
-            let kind = |w: &str| {
-                Kind::parse(w).ok_or_else(|| self.fail(format!("type {w:?}, expected a PLY type")))
-            };
-            match words.as_slice() {
-                [] | ["comment" | "obj_info", ..] => {}
-                ["format", name, "1.0"] => {
-                    format = Some(match *name {
-                        "ascii" => Format::Ascii,
-                        "binary_little_endian" => Format::Binary { big: false },
-                        "binary_big_endian" => Format::Binary { big: true },
-                        _ => {
-                            return Err(
-                                self.fail(format!("format {name:?}, expected ascii or binary"))
-                            );
-                        }
-                    });
-                }
-                ["element", name, count] => {
-                    let count = count
-                        .parse()
-                        .map_err(|_| self.fail(format!("{count:?}, expected a count")))?;
-                    elements.push(Element {
-                        name: (*name).into(),
-                        count,
-                        properties: Vec::new(),
-                    });
-                }
-                ["property", rest @ ..] => {
-                    let property = match rest {
-                        ["list", count, k, name] => {
-                            let count = kind(count)?;
-                            if matches!(count, Kind::F32 | Kind::F64) {
-                                return Err(
-                                    self.fail("list counted by a float, expected an integer type")
-                                );
-                            }
-                            Property {
-                                name: (*name).into(),
-                                count: Some(count),
-                                kind: kind(k)?,
-                            }
-                        }
-                        [k, name] => Property {
-                            name: (*name).into(),
-                            count: None,
-                            kind: kind(k)?,
-                        },
-                        _ => {
-                            return Err(self.fail(format!("{line:?}, expected property TYPE NAME")));
-                        }
-                    };
-                    let last = elements.last_mut();
-                    last.ok_or_else(|| {
-                        LoadError::malformed(self.path, self.line, "property before any element")
-                    })?
-                    .properties
-                    .push(property);
-                }
-                ["end_header"] => break,
-                _ => return Err(self.fail(format!("{line:?}, expected a line of a PLY header"))),
-            }
-        }
-        let format = format.ok_or_else(|| self.fail("header without format, expected one"))?;
-        for name in ["vertex", "face"] {
-            if elements.iter().filter(|e| e.name == name).count() != 1 {
-                return Err(self.fail(format!(
-                    "header without exactly one element {name}, expected it"
-                )));
-            }
-        }
-        Ok((format, elements))
-    }
-
     /// Calls `each` with record, property and values, for every property of every record.
     fn records(
         &mut self,
@@ -336,6 +140,13 @@ impl<'a> Reader<'a> {
                 }
                 each(record, p, &values).map_err(|text| self.fail(text))?;
             }
+            if words.next().is_some() {
+                let text = format!(
+                    "more values in the line, expected those of element {}",
+                    element.name
+                );
+                return Err(self.fail(text));
+            }
         }
         Ok(())
     }
@@ -370,10 +181,12 @@ impl<'a> Reader<'a> {
                         mesh.positions[record][axis] = value as f32;
                     } else if let Some(axis) = normal.and_then(|n| find(&n, p)) {
                         mesh.normals
-                            .as_mut()
-                            .map(|n| n[record][axis] = value as f32);
+                            .iter_mut()
+                            .for_each(|n| n[record][axis] = value as f32);
                     } else if let Some(axis) = uv.and_then(|u| find(&u, p)) {
-                        mesh.uvs.as_mut().map(|u| u[record][axis] = value as f32);
+                        mesh.uvs
+                            .iter_mut()
+                            .for_each(|u| u[record][axis] = value as f32);
                     }
                     Ok(())
                 });

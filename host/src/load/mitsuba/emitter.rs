@@ -1,8 +1,8 @@
 //! Emitters that aren't shapes.
 
 use super::Loader;
+use super::plugin::Plugin;
 use super::transform::rows_of_inverse;
-use super::value::Plugin;
 use crate::description::{Color, Emitter, EmitterKind};
 use crate::load::bitmap::load_linear;
 use crate::load::error::{LoadError, Problem};

@@ -1,8 +1,11 @@
 //! Mitsuba 3 scenes. What this reads means what it means there; what it can't read it refuses.
 
 mod bsdf;
+mod constants;
 mod document;
 mod emitter;
+mod node;
+mod plugin;
 mod sensor;
 mod shape;
 mod texture;
@@ -16,11 +19,12 @@ use super::error::{LoadError, Problem, file_place};
 use super::{Loaded, bitmap};
 use crate::description::Description;
 use bsdf::Surface;
-use document::{Document, Node};
+use document::Document;
+use node::Node;
+use plugin::{Plugin, resolve};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use value::{Plugin, resolve};
 
 /// Loads a Mitsuba 3 scene; see [`super::load`].
 pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Loaded, LoadError> {
@@ -142,12 +146,11 @@ impl<'a> Loader<'a> {
         if self.out.emitters.is_empty() && self.out.shapes.iter().all(|s| s.emission.is_none()) {
             self.warn(root, "nothing in the scene emits light");
         }
-        self.unused();
-        Ok(())
+        self.unused()
     }
 
-    /// Tells of named objects that nothing refers to and that would have been refused.
-    fn unused(&mut self) {
+    /// Checks named objects that nothing refers to: one that isn't supported is only told of.
+    fn unused(&mut self) -> Result<(), LoadError> {
         let document = self.document;
         let refs = document.nodes.iter().filter(|n| n.tag == "ref");
         let referred: HashSet<usize> = refs
@@ -158,6 +161,9 @@ impl<'a> Loader<'a> {
                 continue;
             }
             let node = &document.nodes[index];
+            if !["bsdf", "texture", "medium"].contains(&node.tag.as_str()) {
+                continue;
+            }
             let kept = (
                 self.out.materials.len(),
                 self.out.textures.len(),
@@ -167,19 +173,22 @@ impl<'a> Loader<'a> {
             let result = match node.tag.as_str() {
                 "bsdf" => self.surface(index).map(|_| ()),
                 "texture" => self.texture(index, false).map(|_| ()),
-                "medium" => Err(medium(node)),
-                _ => continue,
+                _ => Err(medium(node)),
             };
             self.out.materials.truncate(kept.0);
             self.out.textures.truncate(kept.1);
             self.warnings.truncate(kept.2);
             (self.surfaces, self.textures) = (surfaces, textures);
             self.open.clear();
-            if let Err(error) = result {
-                self.warnings
-                    .push(format!("{error} (nothing refers to it, so it is left out)"));
+            match result {
+                Err(error) if matches!(*error.problem, Problem::Unsupported { .. }) => {
+                    let text = format!("{error} (nothing refers to it, so it is left out)");
+                    self.warnings.push(text);
+                }
+                other => other?,
             }
         }
+        Ok(())
     }
 
     fn integrator(&mut self, index: usize) -> Result<(), LoadError> {

@@ -1,7 +1,8 @@
 //! Sensors, films, pixel filters, samplers.
 
+use super::plugin::Plugin;
 use super::transform::{orthogonal, similarity};
-use super::value::{Plugin, number};
+use super::value::number;
 use super::{Loader, medium};
 use crate::description::{Filter, Projection, Sensor};
 use crate::load::error::{LoadError, Problem};

@@ -1,7 +1,7 @@
 //! Shapes: meshes from files, spheres exactly, boxes, rectangles and discs as triangles.
 
+use super::plugin::Plugin;
 use super::transform::similarity;
-use super::value::Plugin;
 use super::{Loader, medium};
 use crate::description::{Color, ColorSource, Geometry, Mesh, Model, Shape};
 use crate::load::error::{LoadError, Problem};

@@ -1,7 +1,8 @@
 //! Textures: bitmap and checkerboard.
 
 use super::Loader;
-use super::value::Plugin;
+use super::plugin::Plugin;
+use super::value::color;
 use crate::description::{Color, ColorSource, Pattern, Texels, Texture, Wrap};
 use crate::load::bitmap::to_grey;
 use crate::load::error::LoadError;
@@ -35,7 +36,7 @@ impl Loader<'_> {
             }
             return Ok(ColorSource::Texture(texture));
         }
-        let color = plugin.color_at(name, node)?;
+        let color = color(node, plugin.kind, name)?;
         if color.iter().any(|c| *c > 1.0) {
             return Err(plugin.invalid(name, "from 0 to 1", show(color)));
         }
@@ -48,7 +49,7 @@ impl Loader<'_> {
             return Ok(done);
         }
         let plugin = Plugin::new(self.document, index)?;
-        let mut to_uv = self.to_uv(&plugin)?;
+        let mut to_uv = self.uv_matrix(&plugin)?;
         let pattern = match plugin.kind {
             "bitmap" => self.bitmap(&plugin, grey)?,
             "checkerboard" => {
@@ -74,7 +75,7 @@ impl Loader<'_> {
         Ok(done)
     }
 
-    fn to_uv(&mut self, plugin: &Plugin) -> Result<[[f32; 3]; 2], LoadError> {
+    fn uv_matrix(&mut self, plugin: &Plugin) -> Result<[[f32; 3]; 2], LoadError> {
         let m = plugin.transform("to_uv")?.transpose();
         if m.x_axis.z != 0.0 || m.y_axis.z != 0.0 {
             self.warn(

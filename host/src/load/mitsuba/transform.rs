@@ -1,6 +1,7 @@
 //! `<transform>`: steps in the order listed, the first acts first.
 
-use super::document::{Document, Node};
+use super::document::Document;
+use super::node::Node;
 use super::value::{numbers, vector};
 use crate::load::error::{LoadError, Problem};
 use glam::{DMat3, DMat4, DVec3};
@@ -14,7 +15,11 @@ pub fn parse(document: &Document, node: &Node) -> Result<DMat4, LoadError> {
         let linear = DMat3::from_mat4(matrix);
         let columns = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
         let determinant = linear.determinant().abs();
-        if !matrix.is_finite() || !(determinant > 1e-12 * columns) || determinant < 1e-150 {
+        if !matrix.is_finite()
+            || !determinant.is_finite()
+            || determinant <= 1e-12 * columns
+            || determinant < 1e-150
+        {
             let found = format!("determinant {determinant}");
             let expected = "a transform that can be undone".to_owned();
             return Err(step.error(
