@@ -8,7 +8,7 @@ use super::bvh::{self, Bvh};
 use super::lanes::{Array, Lanes, Load, LoadPair};
 use super::ray::{Hit, Ray};
 
-#[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
 use super::lanes_x86::{F4, F4x2, F8};
 
 /// An instruction set, as a proof that the processor has it.
@@ -56,11 +56,11 @@ impl Isa for Scalar {
 }
 
 /// What every x86-64 processor has.
-#[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sse2;
 
-#[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
 impl Isa for Sse2 {
     type Token = Self;
     type Eight = F4x2<Self>;
@@ -84,11 +84,11 @@ impl Isa for Sse2 {
 }
 
 /// AVX2, on x86-64 processors since 2013: made by [`Avx2::detect`].
-#[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2(());
 
-#[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
 impl Avx2 {
     /// Asks the processor and the system (Intel SDM vol. 1, §14.3 and §14.7.1): leaf 1 must report AVX
     /// and OSXSAVE, XCR0 must say that the system saves the wide registers, leaf 7 must report AVX2.
@@ -116,7 +116,7 @@ impl Avx2 {
     }
 }
 
-#[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
 impl Isa for Avx2 {
     type Token = Self;
     type Eight = F8;
@@ -175,11 +175,15 @@ impl IsaKind {
     pub fn available(self) -> bool {
         match self {
             Self::Scalar => true,
-            #[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
             Self::Sse2 => true,
-            #[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
             Self::Avx2 => Avx2::detect().is_some(),
-            #[cfg(not(all(target_arch = "x86_64", not(feature = "f64"))))]
+            #[cfg(not(all(
+                target_arch = "x86_64",
+                target_feature = "sse2",
+                not(feature = "f64")
+            )))]
             _ => false,
         }
     }

@@ -1,12 +1,12 @@
 //! Rays and primitives: which triangle or sphere a ray meets first, and whether it meets any.
 //!
 //! [`Bvh`] is the kernel's own answer, over the tree in the blob; [`Tracer`] is the question, for
-//! engines that bring their own. Same bits on every instruction set: [`lanes`] says how.
+//! engines that bring their own. Same bits on every instruction set: `lanes.rs` says how.
 
 mod bvh;
 mod isa;
 mod lanes;
-#[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
 mod lanes_x86;
 mod point;
 mod ray;
@@ -15,7 +15,7 @@ mod sphere;
 mod triangle;
 
 pub use bvh::{Bvh, vertices};
-#[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
 pub use isa::{Avx2, Sse2};
 pub use isa::{Instructions, Isa, IsaKind, Scalar};
 pub use point::{Point, triangle_normal, unit_or_z};

@@ -186,8 +186,13 @@ fn decide(
         if doubtful >> lane & 1 == 0 {
             continue;
         }
-        let exact = [(2, 1), (0, 2), (1, 0)]
-            .map(|(i, j): (usize, usize)| edge(x[i][lane], y[j][lane], y[i][lane], x[j][lane]));
+        let [x0, x1, x2] = [x[0][lane], x[1][lane], x[2][lane]];
+        let [y0, y1, y2] = [y[0][lane], y[1][lane], y[2][lane]];
+        let exact = [
+            edge(x2, y1, y2, x1),
+            edge(x0, y2, y0, x2),
+            edge(x1, y0, y1, x0),
+        ];
         let outside = exact.iter().any(|e| *e < 0.0) && exact.iter().any(|e| *e > 0.0);
         let sum = exact[0] + exact[1] + exact[2];
         if outside || sum == 0.0 || !sum.is_finite() {
