@@ -301,7 +301,7 @@ pub struct Material {
 
 /// Texture kinds and flags.
 pub mod texture {
-    /// `color[0]` and `color[1]` in a unit checkerboard: `color[0]` where ⌊u⌋+⌊v⌋… see [`crate::surface`].
+    /// `color[0]` where ⌊u⌋ + ⌊v⌋ is even, else `color[1]`.
     pub const CHECKERBOARD: u32 = 0;
     /// Texels of four bytes RGBA, sRGB-coded (alpha linear).
     pub const SRGB8: u32 = 1;
@@ -480,7 +480,8 @@ pub struct Sensor {
     pub forward: [f32; 3],
     /// Medium it stands in; [`NONE`] in version 1.
     pub medium: u32,
-    /// Principal point offset in units of the full image's width and height.
+    /// Shift of the film in units of the full image's width and height: film point x looks where x + `principal`
+    /// would without it.
     pub principal: [f32; 2],
     /// Zero.
     pub reserved: [u32; 1],

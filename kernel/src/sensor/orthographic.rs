@@ -16,7 +16,7 @@ fn density(s: &Sensor) -> Real {
 #[inline(always)]
 pub(super) fn start(s: &Sensor, raster: [Real; 2]) -> Start {
     let plane = |axis: usize| {
-        (raster[axis] / s.resolution[axis] as Real - 0.5 - Real::from(s.principal[axis]))
+        (raster[axis] / s.resolution[axis] as Real - 0.5 + Real::from(s.principal[axis]))
             * 2.0
             * Real::from(s.half_extent[axis])
     };
@@ -42,7 +42,7 @@ pub(super) fn project(s: &Sensor, x: Vec3) -> Option<Projection> {
         return None;
     }
     let coordinate = |axis: usize, along: Vec3| {
-        (d.dot(along) / (2.0 * Real::from(s.half_extent[axis])) + 0.5 + Real::from(s.principal[axis]))
+        (d.dot(along) / (2.0 * Real::from(s.half_extent[axis])) + 0.5 - Real::from(s.principal[axis]))
             * s.resolution[axis] as Real
     };
     Some(Projection {

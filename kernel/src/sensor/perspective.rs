@@ -33,7 +33,7 @@ fn lens_point(s: &Sensor, xi: [Real; 2]) -> Vec3 {
 #[inline(always)]
 pub(super) fn start(s: &Sensor, raster: [Real; 2], lens: [Real; 2]) -> Start {
     let plane = |axis: usize| {
-        (raster[axis] / s.resolution[axis] as Real - 0.5 - Real::from(s.principal[axis]))
+        (raster[axis] / s.resolution[axis] as Real - 0.5 + Real::from(s.principal[axis]))
             * 2.0
             * Real::from(s.half_extent[axis])
     };
@@ -63,7 +63,7 @@ fn raster(s: &Sensor, d: Vec3, depth: Real, lens: Vec3) -> [Real; 2] {
     // Back along the ray to the plane in focus, and from there to the pinhole's image plane.
     let plane = d * (1.0 / depth) + lens * (1.0 / Real::from(s.focus));
     let coordinate = |axis: usize, along: Vec3| {
-        (plane.dot(along) / (2.0 * Real::from(s.half_extent[axis])) + 0.5 + Real::from(s.principal[axis]))
+        (plane.dot(along) / (2.0 * Real::from(s.half_extent[axis])) + 0.5 - Real::from(s.principal[axis]))
             * s.resolution[axis] as Real
     };
     [coordinate(0, vec3(s.right)), coordinate(1, vec3(s.down))]

@@ -38,8 +38,8 @@ impl TextureView<'_> {
     fn look(&self, t: &Texture, uv: [Real; 2]) -> [f32; 3] {
         let [u, v] = t.to_uv.map(|[a, b, c]| finite(a * uv[0] as f32 + b * uv[1] as f32 + c));
         if t.kind == texture::CHECKERBOARD {
-            let half = |x: f32| x - floor(x) > 0.5;
-            return t.color[if half(u) == half(v) { 0 } else { 1 }];
+            let odd = |x: f32| floor(x) as i64 & 1;
+            return t.color[if odd(u) == odd(v) { 0 } else { 1 }];
         }
         let (x, y) = (u * t.width as f32, v * t.height as f32);
         if t.flags & texture::NEAREST != 0 {
