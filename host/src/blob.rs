@@ -44,9 +44,7 @@ impl AlignedBlob {
 
     /// The bytes.
     pub fn bytes(&self) -> &[u8] {
-        bytemuck::cast_slice(&self.lines)
-            .split_at(self.length)
-            .0
+        bytemuck::cast_slice(&self.lines).split_at(self.length).0
     }
 
     /// The bytes, to write.

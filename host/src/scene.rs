@@ -28,7 +28,8 @@ pub struct Size {
 
 /// Whether `path` names a compiled scene.
 pub fn is_blob(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("etd"))
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("etd"))
 }
 
 /// Loads and compiles `path`, or reads it if it is a blob.
@@ -46,21 +47,34 @@ pub fn prepare(path: &Path, defines: &[(String, String)], size: Size) -> Result<
         }
         let blob = AlignedBlob::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
         etendue::Scene::open(blob.bytes()).map_err(|e| format!("{}: {e}", path.display()))?;
-        return Ok(Prepared { blob, advice: Advice::default(), warnings: Vec::new() });
+        return Ok(Prepared {
+            blob,
+            advice: Advice::default(),
+            warnings: Vec::new(),
+        });
     }
     let loaded = load::load(path, defines).map_err(|e| e.to_string())?;
     let mut description = loaded.description;
     resize(&mut description, size)?;
     let Compiled { blob, .. } = compile(&description).map_err(|e| e.to_string())?;
     // The gate is the same for everybody. Its refusal of our own blob is our mistake, but it is still an error.
-    etendue::Scene::open(blob.bytes()).map_err(|e| format!("{}: the compiled scene is refused: {e}", path.display()))?;
-    Ok(Prepared { blob, advice: description.advice, warnings: loaded.warnings })
+    etendue::Scene::open(blob.bytes())
+        .map_err(|e| format!("{}: the compiled scene is refused: {e}", path.display()))?;
+    Ok(Prepared {
+        blob,
+        advice: description.advice,
+        warnings: loaded.warnings,
+    })
 }
 
 /// Another resolution; one side alone keeps the shape of the picture.
 fn resize(d: &mut Description, size: Size) -> Result<(), String> {
     let [w, h] = d.sensor.resolution;
-    let follow = |n: u32, from: u32, to: u32| (f64::from(n) * f64::from(to) / f64::from(from)).round().max(1.0) as u32;
+    let follow = |n: u32, from: u32, to: u32| {
+        (f64::from(n) * f64::from(to) / f64::from(from))
+            .round()
+            .max(1.0) as u32
+    };
     let resolution = match (size.width, size.height) {
         (None, None) => return Ok(()),
         (Some(x), None) => [x, follow(x, w, h)],
@@ -71,14 +85,23 @@ fn resize(d: &mut Description, size: Size) -> Result<(), String> {
         return Err("--width and --height don't go with a film that has a crop window".into());
     }
     if resolution.iter().any(|&n| n == 0 || n > 1 << 16) {
-        return Err(format!("--width and --height: expected 1 to 65536, found {} × {}", resolution[0], resolution[1]));
+        return Err(format!(
+            "--width and --height: expected 1 to 65536, found {} × {}",
+            resolution[0], resolution[1]
+        ));
     }
     // Pixels stay square: the field of view in x is kept, that in y follows.
     let aspect = |r: [u32; 2]| r[1] as f32 / r[0] as f32;
     let factor = aspect(resolution) / aspect([w, h]);
     use crate::description::Projection::{Orthographic, Perspective};
     match &mut d.sensor.projection {
-        Perspective { half_tangent: extent, .. } | Orthographic { half_extent: extent } => extent[1] *= factor,
+        Perspective {
+            half_tangent: extent,
+            ..
+        }
+        | Orthographic {
+            half_extent: extent,
+        } => extent[1] *= factor,
     }
     d.sensor.resolution = resolution;
     Ok(())

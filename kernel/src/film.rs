@@ -64,7 +64,11 @@ impl Step {
             return Some(u128::from(mantissa) << shift);
         }
         let right = shift.unsigned_abs();
-        let steps = if right > 63 { 0 } else { round_shift(mantissa, right) };
+        let steps = if right > 63 {
+            0
+        } else {
+            round_shift(mantissa, right)
+        };
         refused.underflowed += u64::from(steps == 0);
         Some(u128::from(steps))
     }
@@ -73,9 +77,11 @@ impl Step {
     #[inline]
     pub fn add(self, sum: &mut Sum, value: Rgb, refused: &mut Refused) {
         let [r, g, b] = value.to_array();
-        if let (Some(r), Some(g), Some(b)) =
-            (self.count(r, refused), self.count(g, refused), self.count(b, refused))
-        {
+        if let (Some(r), Some(g), Some(b)) = (
+            self.count(r, refused),
+            self.count(g, refused),
+            self.count(b, refused),
+        ) {
             merge(sum, &[r, g, b]);
         }
     }
@@ -113,7 +119,11 @@ fn decompose(x: Real) -> (u64, i32) {
     let stored = bits & ((1 << DIGITS) - 1);
     let biased = (bits >> DIGITS) as i32;
     // Subnormals share the exponent of the smallest normal and lack the leading one.
-    let mantissa = if biased == 0 { stored } else { stored | 1 << DIGITS };
+    let mantissa = if biased == 0 {
+        stored
+    } else {
+        stored | 1 << DIGITS
+    };
     (mantissa, biased.max(1) + Real::MIN_EXP - 2 - DIGITS as i32)
 }
 
@@ -125,7 +135,14 @@ mod tests {
 
     #[test]
     fn numbers_come_apart_exactly() {
-        for x in [1.0, 0.1, 3.5e-20, Real::MIN_POSITIVE, Real::MIN_POSITIVE / 8.0, 1e30] {
+        for x in [
+            1.0,
+            0.1,
+            3.5e-20,
+            Real::MIN_POSITIVE,
+            Real::MIN_POSITIVE / 8.0,
+            1e30,
+        ] {
             let (m, e) = decompose(x);
             assert_eq!(m as f64 * libm::scalbn(1.0, e), f64::from(x));
         }
@@ -139,7 +156,13 @@ mod tests {
         for (x, n) in [(0.5, 0), (1.5, 2), (2.5, 2), (2.75, 3), (7.0, 7), (0.25, 0)] {
             assert_eq!(step.count(x, &mut refused), Some(n), "{x}");
         }
-        assert_eq!(refused, Refused { underflowed: 2, ..Refused::default() });
+        assert_eq!(
+            refused,
+            Refused {
+                underflowed: 2,
+                ..Refused::default()
+            }
+        );
     }
 
     #[test]
@@ -147,7 +170,10 @@ mod tests {
         let step = Step::new(0);
         let mut refused = Refused::default();
         assert_eq!(step.count(2_147_483_648.0, &mut refused), None);
-        assert_eq!(step.count(2_147_483_392.0, &mut refused), Some(2_147_483_392 << 64));
+        assert_eq!(
+            step.count(2_147_483_392.0, &mut refused),
+            Some(2_147_483_392 << 64)
+        );
         for x in [Real::NAN, Real::INFINITY, -1.0] {
             assert_eq!(step.count(x, &mut refused), None);
         }
@@ -163,7 +189,11 @@ mod tests {
         let total = |order: &mut dyn Iterator<Item = usize>| {
             let mut sum: Sum = [0; 3];
             for i in order {
-                step.add(&mut sum, Rgb::new(values[i], values[6 - i], 0.0), &mut Refused::default());
+                step.add(
+                    &mut sum,
+                    Rgb::new(values[i], values[6 - i], 0.0),
+                    &mut Refused::default(),
+                );
             }
             sum
         };

@@ -68,7 +68,11 @@ pub fn triangle(xi: [Real; 2]) -> [Real; 2] {
 /// A tent of half-width `radius`: density (1 − |x|/r)/r.
 #[inline(always)]
 pub fn tent(radius: Real, xi: Real) -> Real {
-    let offset = if xi < 0.5 { sqrt(2.0 * xi) - 1.0 } else { 1.0 - sqrt(2.0 * (1.0 - xi)) };
+    let offset = if xi < 0.5 {
+        sqrt(2.0 * xi) - 1.0
+    } else {
+        1.0 - sqrt(2.0 * (1.0 - xi))
+    };
     radius * offset
 }
 
@@ -102,7 +106,12 @@ impl Gaussian {
     #[inline]
     pub fn new(radius: Real, sigma: Real) -> Self {
         let inverse = 0.5 / (sigma * sigma);
-        let mut g = Self { radius, inverse, floor: exp(-radius * radius * inverse), half: 1.0 };
+        let mut g = Self {
+            radius,
+            inverse,
+            floor: exp(-radius * radius * inverse),
+            half: 1.0,
+        };
         g.half = g.integral(0.0, radius);
         g
     }
@@ -111,7 +120,11 @@ impl Gaussian {
     #[inline(always)]
     fn value(&self, x: Real) -> Real {
         let f = exp(-x * x * self.inverse) - self.floor;
-        if x.abs() < self.radius && f > 0.0 { f } else { 0.0 }
+        if x.abs() < self.radius && f > 0.0 {
+            f
+        } else {
+            0.0
+        }
     }
 
     /// Density.
@@ -151,7 +164,8 @@ impl Gaussian {
         let mut sum = 0.0;
         for i in 0..count {
             let middle = from + (i as Real + 0.5) * h;
-            sum += 5.0 * (self.value(middle - step) + self.value(middle + step)) + 8.0 * self.value(middle);
+            sum += 5.0 * (self.value(middle - step) + self.value(middle + step))
+                + 8.0 * self.value(middle);
         }
         sum * h / 18.0
     }

@@ -24,13 +24,24 @@ impl Estimate {
         let n = batches.len() as f64;
         let mean = batches.iter().sum::<f64>() / n;
         let variance = batches.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0);
-        Self { mean, error: (variance / n).sqrt() }
+        Self {
+            mean,
+            error: (variance / n).sqrt(),
+        }
     }
 
     /// How many standard errors two estimates are apart.
     pub fn z(&self, other: &Self) -> f64 {
         let error = (self.error * self.error + other.error * other.error).sqrt();
-        if error == 0.0 { if self.mean == other.mean { 0.0 } else { f64::INFINITY } } else { (self.mean - other.mean) / error }
+        if error == 0.0 {
+            if self.mean == other.mean {
+                0.0
+            } else {
+                f64::INFINITY
+            }
+        } else {
+            (self.mean - other.mean) / error
+        }
     }
 }
 

@@ -32,7 +32,10 @@ impl Builder {
         let tangent = (0.5 * fov.to_radians()).tan();
         self.description.sensor = Sensor {
             projection: Projection::Perspective {
-                half_tangent: [tangent, tangent * resolution[1] as f32 / resolution[0] as f32],
+                half_tangent: [
+                    tangent,
+                    tangent * resolution[1] as f32 / resolution[0] as f32,
+                ],
                 aperture: 0.0,
                 focus: 1.0,
             },
@@ -74,7 +77,9 @@ impl Builder {
 
     /// Adds a mirror.
     pub fn mirror(&mut self, reflectance: f32) -> usize {
-        self.material(Model::Mirror { reflectance: ColorSource::Constant([reflectance; 3]) })
+        self.material(Model::Mirror {
+            reflectance: ColorSource::Constant([reflectance; 3]),
+        })
     }
 
     /// Adds an object; both sides have `material`.
@@ -95,7 +100,12 @@ impl Builder {
     /// Adds a parallelogram `corner` + s·`a` + t·`b`; its normal is a × b.
     pub fn quad(&mut self, corner: V, a: V, b: V, material: Option<usize>) -> &mut Shape {
         let add = |p: V, q: V| std::array::from_fn(|i| p[i] + q[i]);
-        let positions = vec![corner, add(corner, a), add(add(corner, a), b), add(corner, b)];
+        let positions = vec![
+            corner,
+            add(corner, a),
+            add(add(corner, a), b),
+            add(corner, b),
+        ];
         let mesh = Mesh {
             positions,
             normals: None,
@@ -107,14 +117,27 @@ impl Builder {
 
     /// Adds an axis-aligned box; normals point outwards, or inwards if `inside`.
     pub fn cuboid(&mut self, low: V, high: V, inside: bool, material: Option<usize>) -> &mut Shape {
-        let corner = |i: usize| -> V { std::array::from_fn(|a| if i >> a & 1 == 0 { low[a] } else { high[a] }) };
-        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let corner = |i: usize| -> V {
+            std::array::from_fn(|a| if i >> a & 1 == 0 { low[a] } else { high[a] })
+        };
+        let faces = [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
         let mut mesh = Mesh::default();
         for face in faces {
             let first = mesh.positions.len() as u32;
             mesh.positions.extend(face.map(corner));
             for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
-                mesh.triangles.push(if inside { [first + a, first + c, first + b] } else { [first + a, first + b, first + c] });
+                mesh.triangles.push(if inside {
+                    [first + a, first + c, first + b]
+                } else {
+                    [first + a, first + b, first + c]
+                });
             }
         }
         self.shape(Geometry::Mesh(mesh), material)
@@ -122,12 +145,22 @@ impl Builder {
 
     /// Adds an exact sphere.
     pub fn sphere(&mut self, center: V, radius: f32, material: Option<usize>) -> &mut Shape {
-        self.shape(Geometry::Sphere { center, radius, flipped: false }, material)
+        self.shape(
+            Geometry::Sphere {
+                center,
+                radius,
+                flipped: false,
+            },
+            material,
+        )
     }
 
     /// Adds a light that isn't a shape.
     pub fn light(&mut self, kind: EmitterKind) {
-        self.description.emitters.push(Emitter { name: "light".into(), kind });
+        self.description.emitters.push(Emitter {
+            name: "light".into(),
+            kind,
+        });
     }
 
     /// Everything scaled by `k` and then moved by `by`: what radiance shouldn't notice (point lights aside).
@@ -146,7 +179,9 @@ impl Builder {
         place(&mut sensor.origin);
         sensor.clip = sensor.clip.map(|c| c * k);
         match &mut sensor.projection {
-            Projection::Perspective { aperture, focus, .. } => {
+            Projection::Perspective {
+                aperture, focus, ..
+            } => {
                 *aperture *= k;
                 *focus *= k;
             }
@@ -158,7 +193,13 @@ impl Builder {
 
 /// A small room: diffuse walls, a lamp under the ceiling, and what `furnish` puts into it.
 pub fn room(furnish: impl FnOnce(&mut Builder)) -> Builder {
-    let mut b = Builder::new().camera([0.0, -3.4, 1.0], [0.0, 0.0, 0.9], [0.0, 0.0, 1.0], 40.0, [16, 16]);
+    let mut b = Builder::new().camera(
+        [0.0, -3.4, 1.0],
+        [0.0, 0.0, 0.9],
+        [0.0, 0.0, 1.0],
+        40.0,
+        [16, 16],
+    );
     let white = Some(b.diffuse([0.7, 0.7, 0.7]));
     let red = Some(b.diffuse([0.6, 0.1, 0.1]));
     let green = Some(b.diffuse([0.1, 0.6, 0.1]));
@@ -167,7 +208,8 @@ pub fn room(furnish: impl FnOnce(&mut Builder)) -> Builder {
     b.quad([-1.0, 1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], white);
     b.quad([-1.0, -1.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0], red);
     b.quad([1.0, -1.0, 0.0], [0.0, 0.0, 2.0], [0.0, 2.0, 0.0], green);
-    b.quad([-0.3, -0.3, 1.98], [0.0, 0.6, 0.0], [0.6, 0.0, 0.0], white).emission = Some([9.0, 8.0, 6.0]);
+    b.quad([-0.3, -0.3, 1.98], [0.0, 0.6, 0.0], [0.6, 0.0, 0.0], white)
+        .emission = Some([9.0, 8.0, 6.0]);
     furnish(&mut b);
     b
 }

@@ -36,9 +36,22 @@ struct Distance {
 
 fn distance(a: &Linear, b: &Linear) -> Distance {
     let n = a.pixels.len() as f64;
-    let mean = |i: &Linear| i.pixels.as_flattened().iter().map(|&x| f64::from(x)).sum::<f64>() / (3.0 * n);
+    let mean = |i: &Linear| {
+        i.pixels
+            .as_flattened()
+            .iter()
+            .map(|&x| f64::from(x))
+            .sum::<f64>()
+            / (3.0 * n)
+    };
     let m = mean(b);
-    let mut d = Distance { mse: 0.0, rel_mse: 0.0, bias: [0.0; 3], relative_bias: 0.0, largest: 0.0 };
+    let mut d = Distance {
+        mse: 0.0,
+        rel_mse: 0.0,
+        bias: [0.0; 3],
+        relative_bias: 0.0,
+        largest: 0.0,
+    };
     for (p, q) in a.pixels.iter().zip(&b.pixels) {
         for c in 0..3 {
             let (x, y) = (f64::from(p[c]), f64::from(q[c]));
@@ -58,17 +71,34 @@ fn distance(a: &Linear, b: &Linear) -> Distance {
 
 impl Compare {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let output = self.output.as_deref().map(Output::open).transpose().map_err(|e| e.to_string())?;
-        let (a, b) = (read(&self.a).map_err(|e| e.to_string())?, read(&self.b).map_err(|e| e.to_string())?);
+        let output = self
+            .output
+            .as_deref()
+            .map(Output::open)
+            .transpose()
+            .map_err(|e| e.to_string())?;
+        let (a, b) = (
+            read(&self.a).map_err(|e| e.to_string())?,
+            read(&self.b).map_err(|e| e.to_string())?,
+        );
         if a.size != b.size {
             let [[w, h], [x, y]] = [a.size, b.size];
             let (a, b) = (self.a.display(), self.b.display());
-            return Err(format!("{a} is {w} × {h}, {b} is {x} × {y}: expected images of one size").into());
+            return Err(
+                format!("{a} is {w} × {h}, {b} is {x} × {y}: expected images of one size").into(),
+            );
         }
         let d = distance(&a, &b);
         if let Some(output) = output {
             let image = difference(&a, &b, d.largest);
-            let tone = Tone { exposure: 0.0, curve: Curve::Gamma { a: 1.0, c: 0.0, gamma: 1.0 } };
+            let tone = Tone {
+                exposure: 0.0,
+                curve: Curve::Gamma {
+                    a: 1.0,
+                    c: 0.0,
+                    gamma: 1.0,
+                },
+            };
             output.write(&image, tone).map_err(|e| e.to_string())?;
         }
         if self.json {
@@ -83,7 +113,13 @@ impl Compare {
         } else {
             println!("MSE            {:.6e}", d.mse);
             println!("relMSE         {:.6e}", d.rel_mse);
-            println!("bias of mean   {:+.6e} {:+.6e} {:+.6e} ({:+.4} %)", d.bias[0], d.bias[1], d.bias[2], 100.0 * d.relative_bias);
+            println!(
+                "bias of mean   {:+.6e} {:+.6e} {:+.6e} ({:+.4} %)",
+                d.bias[0],
+                d.bias[1],
+                d.bias[2],
+                100.0 * d.relative_bias
+            );
             println!("largest        {:.6e}", d.largest);
         }
         Ok(())
@@ -99,12 +135,23 @@ fn difference(a: &Linear, b: &Linear, largest: f64) -> Linear {
         .iter()
         .zip(&b.pixels)
         .map(|(p, q)| {
-            let d = if largest > 0.0 { (mean(p) - mean(q)) / largest } else { 0.0 };
+            let d = if largest > 0.0 {
+                (mean(p) - mean(q)) / largest
+            } else {
+                0.0
+            };
             let rest = 1.0 - d.abs().min(1.0).sqrt() as f32;
-            if d > 0.0 { [1.0, rest, rest] } else { [rest, rest, 1.0] }
+            if d > 0.0 {
+                [1.0, rest, rest]
+            } else {
+                [rest, rest, 1.0]
+            }
         })
         .collect();
-    Linear { size: a.size, pixels }
+    Linear {
+        size: a.size,
+        pixels,
+    }
 }
 
 #[cfg(test)]
@@ -113,8 +160,14 @@ mod tests {
 
     #[test]
     fn distances_are_what_their_formulas_say() {
-        let a = Linear { size: [2, 1], pixels: vec![[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]] };
-        let b = Linear { size: [2, 1], pixels: vec![[1.0, 2.0, 1.0], [0.0, 0.0, 2.0]] };
+        let a = Linear {
+            size: [2, 1],
+            pixels: vec![[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]],
+        };
+        let b = Linear {
+            size: [2, 1],
+            pixels: vec![[1.0, 2.0, 1.0], [0.0, 0.0, 2.0]],
+        };
         let d = distance(&a, &b);
         // Mean of b is 1: (4/(1 + .01) + 4/(4 + .01))/6.
         assert!((d.mse - 8.0 / 6.0).abs() < 1e-12);

@@ -23,14 +23,22 @@ impl Compile {
     pub(super) fn run(self) -> Result<(), Failure> {
         let fail = |e: std::io::Error| format!("{}: can't be written: {e}", self.output.display());
         if !is_blob(&self.output) {
-            return Err(format!("{}: expected a name that ends in .etd", self.output.display()).into());
+            return Err(format!(
+                "{}: expected a name that ends in .etd",
+                self.output.display()
+            )
+            .into());
         }
         let mut file = temporary_beside(&self.output).map_err(fail)?;
         let prepared = prepare(&self.scene, &self.define, Size::default())?;
         warn(&prepared.warnings);
         file.write_all(prepared.blob.bytes()).map_err(fail)?;
         persist(file, &self.output).map_err(fail)?;
-        eprintln!("{}: {} bytes", self.output.display(), prepared.blob.bytes().len());
+        eprintln!(
+            "{}: {} bytes",
+            self.output.display(),
+            prepared.blob.bytes().len()
+        );
         Ok(())
     }
 }

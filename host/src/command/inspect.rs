@@ -40,7 +40,11 @@ fn count_kinds<T>(records: &[T], names: &[&str], kind: impl Fn(&T) -> u32) -> St
         .filter(|(n, _)| *n > 0)
         .map(|(n, name)| format!("{n} {name}"))
         .collect();
-    if parts.is_empty() { "none".into() } else { parts.join(", ") }
+    if parts.is_empty() {
+        "none".into()
+    } else {
+        parts.join(", ")
+    }
 }
 
 fn contents(scene: &Scene<'_>) {
@@ -56,41 +60,97 @@ fn contents(scene: &Scene<'_>) {
         _ => "gaussian",
     };
     let [w, h] = scene.size();
-    println!("sensor      {kind}, {w} × {h} of {} × {}, {filter} filter of radius {}", s.resolution[0], s.resolution[1], s.filter_radius);
+    println!(
+        "sensor      {kind}, {w} × {h} of {} × {}, {filter} filter of radius {}",
+        s.resolution[0], s.resolution[1], s.filter_radius
+    );
     let world = scene.world();
-    println!("world       centre {:?}, radius {}", world.center, world.radius);
+    println!(
+        "world       centre {:?}, radius {}",
+        world.center, world.radius
+    );
     println!("shapes      {}", scene.shapes().len());
-    println!("primitives  {} triangles, {} spheres", scene.triangles().count(), scene.sphere_records().len());
-    let names = ["diffuse", "mirror", "conductor", "dielectric", "null", "sheet"];
+    println!(
+        "primitives  {} triangles, {} spheres",
+        scene.triangles().count(),
+        scene.sphere_records().len()
+    );
+    let names = [
+        "diffuse",
+        "mirror",
+        "conductor",
+        "dielectric",
+        "null",
+        "sheet",
+    ];
     debug_assert_eq!(names.len() as u32, material::SHEET + 1);
-    println!("materials   {}", count_kinds(scene.materials(), &names, |m| m.kind));
+    println!(
+        "materials   {}",
+        count_kinds(scene.materials(), &names, |m| m.kind)
+    );
     let names = ["checkerboard", "sRGB image", "linear image", "float image"];
-    println!("textures    {}", count_kinds(scene.textures(), &names, |t| t.kind));
-    let names = ["area", "point", "spot", "directional", "constant", "lat-long", "cube map"];
+    println!(
+        "textures    {}",
+        count_kinds(scene.textures(), &names, |t| t.kind)
+    );
+    let names = [
+        "area",
+        "point",
+        "spot",
+        "directional",
+        "constant",
+        "lat-long",
+        "cube map",
+    ];
     debug_assert_eq!(names.len() as u32, emitter::CUBEMAP + 1);
-    println!("emitters    {} ({} ways to choose)", count_kinds(scene.emitters(), &names, |e| e.kind), scene.choices().len());
+    println!(
+        "emitters    {} ({} ways to choose)",
+        count_kinds(scene.emitters(), &names, |e| e.kind),
+        scene.choices().len()
+    );
 }
 
 fn sizes(scene: &Scene<'_>, bytes: &[u8]) {
     let names = [
-        "world", "sensor", "nodes", "packets", "triangles", "spheres", "normals", "uvs", "shapes",
-        "materials", "textures", "texels", "emitters", "choices", "cells",
+        "world",
+        "sensor",
+        "nodes",
+        "packets",
+        "triangles",
+        "spheres",
+        "normals",
+        "uvs",
+        "shapes",
+        "materials",
+        "textures",
+        "texels",
+        "emitters",
+        "choices",
+        "cells",
     ];
     println!("\nsection         records       bytes");
     let from = size_of::<Header>();
-    let table: &[Toc] = bytemuck::cast_slice(&bytes[from..from + section::ALL.len() * size_of::<Toc>()]);
+    let table: &[Toc] =
+        bytemuck::cast_slice(&bytes[from..from + section::ALL.len() * size_of::<Toc>()]);
     let mut geometry = 0;
     for entry in table {
         let size = entry.count * u64::from(entry.stride);
         if (section::NODES..=section::UVS).contains(&entry.kind) {
             geometry += size;
         }
-        println!("{:<12} {:>10} {size:>11}", names[entry.kind as usize - 1], entry.count);
+        println!(
+            "{:<12} {:>10} {size:>11}",
+            names[entry.kind as usize - 1],
+            entry.count
+        );
     }
     println!("{:<12} {:>10} {:>11}", "whole", "", bytes.len());
     let triangles = scene.triangles().count();
     if triangles > 0 {
-        println!("geometry per triangle, shading data included: {:.1} bytes", geometry as f64 / triangles as f64);
+        println!(
+            "geometry per triangle, shading data included: {:.1} bytes",
+            geometry as f64 / triangles as f64
+        );
     }
 }
 
@@ -128,11 +188,23 @@ fn tree(scene: &Scene<'_>) {
     }
     let area = half_area(root.0, root.1).max(f64::MIN_POSITIVE);
     let slots = scene.packets().len() * etendue::blob::format::LANES;
-    println!("\ntree        {} nodes, {leaves} leaves, {} levels, {:.2} of {WIDTH} children used", nodes.len(), scene.world().depth + 1, f64::from(children) / nodes.len() as f64);
+    println!(
+        "\ntree        {} nodes, {leaves} leaves, {} levels, {:.2} of {WIDTH} children used",
+        nodes.len(),
+        scene.world().depth + 1,
+        f64::from(children) / nodes.len() as f64
+    );
     if slots > 0 {
-        println!("packets     {:.1} % full", 100.0 * scene.triangles().count() as f64 / slots as f64);
+        println!(
+            "packets     {:.1} % full",
+            100.0 * scene.triangles().count() as f64 / slots as f64
+        );
     }
-    println!("SAH         a random ray through the scene's box visits {:.2} nodes and tests {:.2} packets or spheres", 1.0 + visits / area, tests / area);
+    println!(
+        "SAH         a random ray through the scene's box visits {:.2} nodes and tests {:.2} packets or spheres",
+        1.0 + visits / area,
+        tests / area
+    );
 }
 
 fn left_out(scene: &Scene<'_>) {
@@ -140,10 +212,16 @@ fn left_out(scene: &Scene<'_>) {
     println!("  media: no free flight, no transmittance");
     println!("  wavelengths: paths carry RGB");
     let lines = [
-        (needs::MASKS | needs::NULL, "masks and null boundaries: shadow rays stop at the first thing they meet"),
+        (
+            needs::MASKS | needs::NULL,
+            "masks and null boundaries: shadow rays stop at the first thing they meet",
+        ),
         (needs::SPHERES, "spheres: the tree holds triangles only"),
         (needs::TEXTURES, "textures: colours are constants"),
-        (needs::SMOOTH_NORMALS, "interpolated normals: no correction of light walks"),
+        (
+            needs::SMOOTH_NORMALS,
+            "interpolated normals: no correction of light walks",
+        ),
         (needs::DISTANT, "emitters at infinity"),
         (needs::DIRAC, "Dirac lobes: every vertex can be connected"),
         (needs::TRANSMISSION, "transmission: light stays on its side"),

@@ -55,7 +55,12 @@ pub struct Render {
     #[arg(long, value_name = "H")]
     height: Option<u32>,
     /// PNG: stops of exposure, radiance × 2^EV
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "EV",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     exposure: f32,
     /// PNG: none, reinhard, or gamma:a,c,γ, which is a·(x+c)^γ in place of the sRGB curve
     #[arg(long, value_name = "CURVE", default_value = "none")]
@@ -93,7 +98,9 @@ enum HeuristicName {
 /// A number with a unit.
 fn duration(text: &str) -> Result<Duration, String> {
     let expected = || format!("expected a time like 500ms, 30s, 2m or 1h, found {text:?}");
-    let split = text.find(|c: char| c.is_ascii_alphabetic()).ok_or_else(expected)?;
+    let split = text
+        .find(|c: char| c.is_ascii_alphabetic())
+        .ok_or_else(expected)?;
     let (number, unit) = text.split_at(split);
     let scale = match unit {
         "ms" => 1e-3,
@@ -103,7 +110,10 @@ fn duration(text: &str) -> Result<Duration, String> {
         _ => return Err(expected()),
     };
     let seconds: f64 = number.parse::<f64>().map_err(|_| expected())? * scale;
-    Duration::try_from_secs_f64(seconds).ok().filter(|d| !d.is_zero()).ok_or_else(expected)
+    Duration::try_from_secs_f64(seconds)
+        .ok()
+        .filter(|d| !d.is_zero())
+        .ok_or_else(expected)
 }
 
 impl Render {
@@ -114,13 +124,19 @@ impl Render {
             .iter()
             .map(|path| Output::open(path).map_err(|e| e.to_string()))
             .collect::<Result<Vec<_>, _>>()?;
-        let size = Size { width: self.width, height: self.height };
+        let size = Size {
+            width: self.width,
+            height: self.height,
+        };
         let prepared = prepare(&self.scene, &self.define, size)?;
         if !self.quiet {
             warn(&prepared.warnings);
         }
         let scene = Scene::open(prepared.blob.bytes()).map_err(|e| e.to_string())?;
-        let samples = self.spp.or(prepared.advice.samples.map(u64::from)).unwrap_or(DEFAULT_SAMPLES);
+        let samples = self
+            .spp
+            .or(prepared.advice.samples.map(u64::from))
+            .unwrap_or(DEFAULT_SAMPLES);
         let max_edges = match self.max_depth {
             Some(n) => u32::try_from(n).ok(),
             None => prepared.advice.max_depth,
@@ -142,13 +158,23 @@ impl Render {
         let watch = |p: Progress| show(&bar, p, started.elapsed());
         let rendered = render(&scene, &options, &stop, &watch).map_err(|e| e.to_string())?;
         bar.finish_and_clear();
-        let image = Linear { size: rendered.size, pixels: rendered.image.clone() };
-        let tone = Tone { exposure: self.exposure, curve: self.tonemap };
+        let image = Linear {
+            size: rendered.size,
+            pixels: rendered.image.clone(),
+        };
+        let tone = Tone {
+            exposure: self.exposure,
+            curve: self.tonemap,
+        };
         for output in outputs {
             output.write(&image, tone).map_err(|e| e.to_string())?;
         }
         self.report(&rendered);
-        if rendered.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+        if rendered.interrupted {
+            Err(Failure::Interrupted)
+        } else {
+            Ok(())
+        }
     }
 
     fn progress_bar(&self) -> ProgressBar {
@@ -198,14 +224,25 @@ impl Render {
         } else if !self.quiet {
             eprintln!(
                 "{} × {}, {} samples per pixel in {:.2} s: {:.2} M samples/s, {:.2} M rays/s",
-                r.size[0], r.size[1], r.passes, r.seconds, per_second(samples) * 1e-6, per_second(rays) * 1e-6
+                r.size[0],
+                r.size[1],
+                r.passes,
+                r.seconds,
+                per_second(samples) * 1e-6,
+                per_second(rays) * 1e-6
             );
         }
         if lost > 0 && !self.quiet {
-            eprintln!("warning: {lost} values were not finite, negative or too large, and were left out");
+            eprintln!(
+                "warning: {lost} values were not finite, negative or too large, and were left out"
+            );
         }
         if r.counters.cut_walks > 0 && !self.quiet {
-            eprintln!("warning: {} walks were cut at {} steps", r.counters.cut_walks, etendue::path::MAX_STEPS);
+            eprintln!(
+                "warning: {} walks were cut at {} steps",
+                r.counters.cut_walks,
+                etendue::path::MAX_STEPS
+            );
         }
     }
 }
@@ -226,7 +263,11 @@ fn catch_interrupt() -> Result<Arc<AtomicBool>, String> {
 fn show(bar: &ProgressBar, p: Progress, elapsed: Duration) {
     bar.set_position((p.done * 1000.0) as u64);
     let seconds = elapsed.as_secs_f64();
-    let left = if p.done > 0.0 { seconds * (1.0 - p.done) / p.done } else { 0.0 };
+    let left = if p.done > 0.0 {
+        seconds * (1.0 - p.done) / p.done
+    } else {
+        0.0
+    };
     bar.set_message(format!(
         "{} spp, {:.2} M samples/s, {left:.0} s left",
         p.passes,

@@ -6,7 +6,8 @@ pub(super) fn table(weights: &[f64]) -> Vec<(f32, u32)> {
     let mean = total / weights.len() as f64;
     let mut share: Vec<f64> = weights.iter().map(|w| w / mean).collect();
     let mut entries: Vec<(f32, u32)> = (0..weights.len() as u32).map(|i| (1.0, i)).collect();
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..share.len()).partition(|&i| share[i] < 1.0);
+    let (mut small, mut large): (Vec<usize>, Vec<usize>) =
+        (0..share.len()).partition(|&i| share[i] < 1.0);
     while let (Some(&s), Some(&l)) = (small.last(), large.last()) {
         small.pop();
         entries[s] = (share[s] as f32, l as u32);

@@ -35,7 +35,12 @@ impl Emitters {
     pub fn area(&mut self, shape: u32, radiance: Color) -> u32 {
         self.scale = self.scale.max(mean(radiance));
         self.power.push(PI * mean(radiance));
-        self.emitters.push(Emitter { kind: emitter::AREA, shape, radiance, ..blank() });
+        self.emitters.push(Emitter {
+            kind: emitter::AREA,
+            shape,
+            radiance,
+            ..blank()
+        });
         self.emitters.len() as u32 - 1
     }
 
@@ -43,25 +48,52 @@ impl Emitters {
     ///
     /// # Errors
     /// In words, if there is a background already.
-    pub fn add(&mut self, kind: &EmitterKind, radius: f64, texels: &mut Vec<u32>) -> Result<(), String> {
+    pub fn add(
+        &mut self,
+        kind: &EmitterKind,
+        radius: f64,
+        texels: &mut Vec<u32>,
+    ) -> Result<(), String> {
         let disc = PI * radius * radius;
         let id = self.emitters.len() as u32;
-        let mut e = Emitter { shape: NONE, ..blank() };
+        let mut e = Emitter {
+            shape: NONE,
+            ..blank()
+        };
         let mut background = false;
         let (power, scale) = match kind {
-            EmitterKind::Point { position, intensity } => {
+            EmitterKind::Point {
+                position,
+                intensity,
+            } => {
                 (e.kind, e.position, e.radiance) = (emitter::POINT, *position, *intensity);
-                (4.0 * PI * mean(*intensity), mean(*intensity) / (radius * radius))
+                (
+                    4.0 * PI * mean(*intensity),
+                    mean(*intensity) / (radius * radius),
+                )
             }
-            EmitterKind::Spot { position, direction, intensity, cutoff, beam_width } => {
-                (e.kind, e.position, e.direction, e.radiance) = (emitter::SPOT, *position, *direction, *intensity);
+            EmitterKind::Spot {
+                position,
+                direction,
+                intensity,
+                cutoff,
+                beam_width,
+            } => {
+                (e.kind, e.position, e.direction, e.radiance) =
+                    (emitter::SPOT, *position, *direction, *intensity);
                 e.cos_outer = cutoff.cos();
                 // A beam as wide as the cone still needs two different cosines.
                 e.cos_inner = beam_width.min(*cutoff).cos().max(e.cos_outer.next_up());
                 let solid_angle = 2.0 * PI * (1.0 - f64::from((0.5 * (cutoff + beam_width)).cos()));
-                (solid_angle * mean(*intensity), mean(*intensity) / (radius * radius))
+                (
+                    solid_angle * mean(*intensity),
+                    mean(*intensity) / (radius * radius),
+                )
             }
-            EmitterKind::Directional { direction, irradiance } => {
+            EmitterKind::Directional {
+                direction,
+                irradiance,
+            } => {
                 (e.kind, e.direction, e.radiance) = (emitter::DIRECTIONAL, *direction, *irradiance);
                 (disc * mean(*irradiance), mean(*irradiance))
             }
@@ -70,7 +102,13 @@ impl Emitters {
                 (e.kind, e.radiance) = (emitter::CONSTANT, *radiance);
                 (disc * 4.0 * PI * mean(*radiance), mean(*radiance))
             }
-            EmitterKind::LatLong { width, height, texels: image, scale, to_local } => {
+            EmitterKind::LatLong {
+                width,
+                height,
+                texels: image,
+                scale,
+                to_local,
+            } => {
                 background = true;
                 e.kind = emitter::LATLONG;
                 (e.width, e.height, e.to_local) = (*width, *height, *to_local);
@@ -78,7 +116,12 @@ impl Emitters {
                 let total = self.environment(&mut e, &weights, image, *scale, texels);
                 (disc * total, total / (4.0 * PI))
             }
-            EmitterKind::CubeMap { width, texels: image, scale, to_local } => {
+            EmitterKind::CubeMap {
+                width,
+                texels: image,
+                scale,
+                to_local,
+            } => {
                 background = true;
                 e.kind = emitter::CUBEMAP;
                 (e.width, e.height, e.to_local) = (*width, 6 * *width, *to_local);
@@ -89,7 +132,9 @@ impl Emitters {
         };
         if background {
             if self.background.is_some() {
-                return Err("the scene has a background already: one constant, envmap or cubemap".into());
+                return Err(
+                    "the scene has a background already: one constant, envmap or cubemap".into(),
+                );
             }
             self.background = Some(id);
         }
@@ -100,7 +145,14 @@ impl Emitters {
     }
 
     /// Texels and cells of an environment; returns ∫L dω in the mean channel.
-    fn environment(&mut self, e: &mut Emitter, weights: &[f64], image: &[Color], scale: f32, texels: &mut Vec<u32>) -> f64 {
+    fn environment(
+        &mut self,
+        e: &mut Emitter,
+        weights: &[f64],
+        image: &[Color],
+        scale: f32,
+        texels: &mut Vec<u32>,
+    ) -> f64 {
         e.radiance = [scale; 3];
         e.texels = texels.len() as u32;
         e.cells = self.cells.len() as u32;
@@ -114,7 +166,12 @@ impl Emitters {
                 probability: (w / total) as f32,
             }));
         } else {
-            self.cells.extend((0..weights.len() as u32).map(|alias| Cell { keep: 1.0, alias, probability: 0.0 }));
+            self.cells
+                .extend((0..weights.len() as u32).map(|alias| Cell {
+                    keep: 1.0,
+                    alias,
+                    probability: 0.0,
+                }));
         }
         total * f64::from(scale)
     }
@@ -123,7 +180,13 @@ impl Emitters {
     pub fn choose(&mut self, emitting: &[Emitting]) {
         let mut entries: Vec<(u32, u32, f64)> = emitting
             .iter()
-            .map(|p| (p.emitter, p.primitive, self.power[p.emitter as usize] * p.area))
+            .map(|p| {
+                (
+                    p.emitter,
+                    p.primitive,
+                    self.power[p.emitter as usize] * p.area,
+                )
+            })
             .collect();
         for (id, e) in self.emitters.iter().enumerate() {
             if e.kind != emitter::AREA {
@@ -141,7 +204,12 @@ impl Emitters {
         }
         let table = alias::table(&weights).into_iter().zip(&entries);
         self.choices = table
-            .map(|((keep, alias), &(emitter, primitive, _))| Choice { keep, alias, emitter, primitive })
+            .map(|((keep, alias), &(emitter, primitive, _))| Choice {
+                keep,
+                alias,
+                emitter,
+                primitive,
+            })
             .collect();
     }
 }

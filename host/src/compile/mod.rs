@@ -55,7 +55,11 @@ pub fn compile(d: &Description) -> Result<Compiled, CompileError> {
     let mut geometry = Flat::default();
     let mut shapes = Vec::new();
     for (id, s) in d.shapes.iter().enumerate() {
-        let fail = |reason: String| CompileError { place: s.place.clone(), name: s.name.clone(), reason };
+        let fail = |reason: String| CompileError {
+            place: s.place.clone(),
+            name: s.name.clone(),
+            reason,
+        };
         let id = id as u32;
         let emission = s.emission.filter(|l| l.iter().any(|&x| x > 0.0));
         let mut shape = Shape {
@@ -74,42 +78,80 @@ pub fn compile(d: &Description) -> Result<Compiled, CompileError> {
         }
         let area = match &s.geometry {
             Geometry::Mesh(mesh) => geometry.mesh(id, mesh, &mut shape).map_err(fail)?,
-            Geometry::Sphere { center, radius, flipped } => {
-                geometry.sphere(id, *center, *radius, *flipped).map_err(fail)?
-            }
+            Geometry::Sphere {
+                center,
+                radius,
+                flipped,
+            } => geometry
+                .sphere(id, *center, *radius, *flipped)
+                .map_err(fail)?,
         };
         if emission.is_some() && area <= 0.0 {
             return Err(fail("a light needs an area > 0".into()));
         }
         shapes.push(shape);
     }
-    let whole = |reason: String| CompileError { place: Place::default(), name: "scene".into(), reason };
-    let mut built = bvh::build(&geometry.corners, &geometry.spheres).map_err(|e| whole(e.to_string()))?;
+    let whole = |reason: String| CompileError {
+        place: Place::default(),
+        name: "scene".into(),
+        reason,
+    };
+    let mut built =
+        bvh::build(&geometry.corners, &geometry.spheres).map_err(|e| whole(e.to_string()))?;
     name_parents(&mut built.nodes);
     let (center, radius) = geometry.bounds();
     for e in &d.emitters {
-        let fail = |reason: String| CompileError { place: Place::default(), name: e.name.clone(), reason };
-        emitters.add(&e.kind, f64::from(radius), &mut surfaces.texels).map_err(fail)?;
+        let fail = |reason: String| CompileError {
+            place: Place::default(),
+            name: e.name.clone(),
+            reason,
+        };
+        emitters
+            .add(&e.kind, f64::from(radius), &mut surfaces.texels)
+            .map_err(fail)?;
     }
     // Primitives get the ids that the tree gave them.
-    let empty = Triangle { index: [0; 3], shape: NONE };
+    let empty = Triangle {
+        index: [0; 3],
+        shape: NONE,
+    };
     let triangles: Vec<Triangle> = built
         .slots
         .iter()
-        .map(|&source| geometry.triangles.get(source as usize).copied().unwrap_or(empty))
+        .map(|&source| {
+            geometry
+                .triangles
+                .get(source as usize)
+                .copied()
+                .unwrap_or(empty)
+        })
         .collect();
-    let spheres: Vec<Sphere> = built.sphere_order.iter().map(|&s| geometry.sphere_records[s as usize]).collect();
+    let spheres: Vec<Sphere> = built
+        .sphere_order
+        .iter()
+        .map(|&s| geometry.sphere_records[s as usize])
+        .collect();
     let sphere_base = (built.packets.len() * LANES) as u32;
     let mut emitting = Vec::new();
     let mut push = |shape: u32, primitive: u32, area: f64| {
-        let emitter = shapes.get(shape as usize).map_or(NONE, |s: &Shape| s.emitter);
+        let emitter = shapes
+            .get(shape as usize)
+            .map_or(NONE, |s: &Shape| s.emitter);
         if emitter != NONE {
-            emitting.push(Emitting { emitter, primitive, area });
+            emitting.push(Emitting {
+                emitter,
+                primitive,
+                area,
+            });
         }
     };
     for (slot, (t, &source)) in triangles.iter().zip(&built.slots).enumerate() {
         if t.shape != NONE {
-            push(t.shape, slot as u32, triangle_area(&geometry.corners[source as usize]));
+            push(
+                t.shape,
+                slot as u32,
+                triangle_area(&geometry.corners[source as usize]),
+            );
         }
     }
     for (i, s) in spheres.iter().enumerate() {
@@ -135,7 +177,10 @@ pub fn compile(d: &Description) -> Result<Compiled, CompileError> {
     for (holds, bit) in [
         (!spheres.is_empty(), needs::SPHERES),
         (!geometry.normals.is_empty(), needs::SMOOTH_NORMALS),
-        (d.emitters.iter().any(|e| is_distant(&e.kind)), needs::DISTANT),
+        (
+            d.emitters.iter().any(|e| is_distant(&e.kind)),
+            needs::DISTANT,
+        ),
     ] {
         bits |= if holds { bit } else { 0 };
     }
@@ -178,7 +223,11 @@ fn name_parents(nodes: &mut [Node]) {
 /// The film counts in steps of 2^(e−64) up to 2^(e+63): 2¹⁶ above the scene's brightest radiance leaves 47 bits
 /// for fireflies above it and 48 for rounding below.
 fn film_exponent(scale: f64) -> i32 {
-    if scale > 0.0 { (scale.log2().ceil() as i32 + 16).clamp(-40, 60) } else { 16 }
+    if scale > 0.0 {
+        (scale.log2().ceil() as i32 + 16).clamp(-40, 60)
+    } else {
+        16
+    }
 }
 
 fn is_distant(kind: &crate::description::EmitterKind) -> bool {
@@ -233,26 +282,45 @@ impl Flat {
             let corners = [corner(index[0])?, corner(index[1])?, corner(index[2])?];
             area += triangle_area(&corners);
             self.corners.push(corners);
-            self.triangles.push(Triangle { index: *index, shape: id });
+            self.triangles.push(Triangle {
+                index: *index,
+                shape: id,
+            });
         }
         Ok(area)
     }
 
     /// Adds a sphere; returns its area.
-    fn sphere(&mut self, shape: u32, center: [f32; 3], radius: f32, flipped: bool) -> Result<f64, String> {
+    fn sphere(
+        &mut self,
+        shape: u32,
+        center: [f32; 3],
+        radius: f32,
+        flipped: bool,
+    ) -> Result<f64, String> {
         if !(radius > 0.0 && radius <= MAX_COORDINATE) {
-            return Err(format!("a sphere's radius must be in (0, 1e12], found {radius}"));
+            return Err(format!(
+                "a sphere's radius must be in (0, 1e12], found {radius}"
+            ));
         }
         self.grow(center, radius)?;
         self.spheres.push((center, radius));
-        self.sphere_records.push(Sphere { center, radius, shape, flipped: u32::from(flipped), reserved: [0; 2] });
+        self.sphere_records.push(Sphere {
+            center,
+            radius,
+            shape,
+            flipped: u32::from(flipped),
+            reserved: [0; 2],
+        });
         Ok(sphere_area(radius))
     }
 
     /// Makes the bounds hold a ball around `p`.
     fn grow(&mut self, p: [f32; 3], radius: f32) -> Result<(), String> {
         if !p.iter().all(|x| x.abs() <= MAX_COORDINATE) {
-            return Err(format!("coordinates must be finite and within ±1e12, found {p:?}"));
+            return Err(format!(
+                "coordinates must be finite and within ±1e12, found {p:?}"
+            ));
         }
         let low = self.low.get_or_insert([f32::INFINITY; 3]);
         if low[0] == f32::INFINITY {

@@ -2,7 +2,7 @@
 
 use crate::description::{Color, ColorSource, Description, Model, Pattern, Texels, Wrap};
 use bytemuck::Zeroable;
-use etendue::blob::format::{self, NONE, Material, Texture, material, needs, texture};
+use etendue::blob::format::{self, Material, NONE, Texture, material, needs, texture};
 
 /// Materials, textures and their texels, and what they make the scene need.
 #[derive(Default)]
@@ -29,13 +29,23 @@ impl Surfaces {
     }
 
     fn texture(&mut self, pattern: &Pattern, to_uv: [[f32; 3]; 2]) {
-        let mut t = Texture { to_uv, texels: self.texels.len() as u32, color: [[1.0; 3]; 2], ..Texture::zeroed() };
+        let mut t = Texture {
+            to_uv,
+            texels: self.texels.len() as u32,
+            color: [[1.0; 3]; 2],
+            ..Texture::zeroed()
+        };
         match pattern {
             Pattern::Checkerboard { colors } => {
                 t.kind = texture::CHECKERBOARD;
                 t.color = *colors;
             }
-            Pattern::Bitmap { image, nearest, wrap, alpha } => {
+            Pattern::Bitmap {
+                image,
+                nearest,
+                wrap,
+                alpha,
+            } => {
                 (t.width, t.height) = (image.width, image.height);
                 t.flags = if *nearest { texture::NEAREST } else { 0 }
                     | if *alpha { texture::ALPHA } else { 0 }
@@ -47,15 +57,22 @@ impl Surfaces {
                 match &image.texels {
                     Texels::Srgb8(texels) => {
                         t.kind = texture::SRGB8;
-                        self.texels.extend(texels.iter().map(|&x| u32::from_le_bytes(x)));
+                        self.texels
+                            .extend(texels.iter().map(|&x| u32::from_le_bytes(x)));
                     }
                     Texels::Linear8(texels) => {
                         t.kind = texture::LINEAR8;
-                        self.texels.extend(texels.iter().map(|&x| u32::from_le_bytes(x)));
+                        self.texels
+                            .extend(texels.iter().map(|&x| u32::from_le_bytes(x)));
                     }
                     Texels::Float(texels) => {
                         t.kind = texture::FLOAT;
-                        self.texels.extend(texels.as_flattened().iter().map(|x| x.clamp(0.0, 1.0).to_bits()));
+                        self.texels.extend(
+                            texels
+                                .as_flattened()
+                                .iter()
+                                .map(|x| x.clamp(0.0, 1.0).to_bits()),
+                        );
                     }
                 }
             }
@@ -79,7 +96,11 @@ impl Surfaces {
     }
 
     fn material(&mut self, model: &Model) -> Material {
-        let mut m = Material { ior: 1.0, texture: [NONE; 4], ..Material::zeroed() };
+        let mut m = Material {
+            ior: 1.0,
+            texture: [NONE; 4],
+            ..Material::zeroed()
+        };
         let set = |m: &mut Material, role: usize, source: ColorSource| match source {
             ColorSource::Constant(color) => m.color[role] = color,
             ColorSource::Texture(id) => {
@@ -88,7 +109,10 @@ impl Surfaces {
             }
         };
         match *model {
-            Model::Diffuse { reflectance, transmittance } => {
+            Model::Diffuse {
+                reflectance,
+                transmittance,
+            } => {
                 m.kind = material::DIFFUSE;
                 set(&mut m, 0, reflectance);
                 set(&mut m, 1, transmittance);
@@ -101,13 +125,22 @@ impl Surfaces {
                 set(&mut m, 0, reflectance);
                 self.needs |= needs::DIRAC;
             }
-            Model::Conductor { eta, k, reflectance } => {
+            Model::Conductor {
+                eta,
+                k,
+                reflectance,
+            } => {
                 m.kind = material::CONDUCTOR;
                 (m.eta, m.k) = (eta, k);
                 set(&mut m, 0, reflectance);
                 self.needs |= needs::DIRAC;
             }
-            Model::Dielectric { ior, reflectance, transmittance, schlick } => {
+            Model::Dielectric {
+                ior,
+                reflectance,
+                transmittance,
+                schlick,
+            } => {
                 m.kind = material::DIELECTRIC;
                 m.flags = if schlick { material::SCHLICK } else { 0 };
                 m.ior = ior;
@@ -119,9 +152,19 @@ impl Surfaces {
                 m.kind = material::NULL;
                 self.needs |= needs::NULL;
             }
-            Model::Sheet { specular_reflectance, specular_transmittance, diffuse_reflectance, diffuse_transmittance } => {
+            Model::Sheet {
+                specular_reflectance,
+                specular_transmittance,
+                diffuse_reflectance,
+                diffuse_transmittance,
+            } => {
                 m.kind = material::SHEET;
-                let roles = [specular_reflectance, specular_transmittance, diffuse_reflectance, diffuse_transmittance];
+                let roles = [
+                    specular_reflectance,
+                    specular_transmittance,
+                    diffuse_reflectance,
+                    diffuse_transmittance,
+                ];
                 for (role, source) in roles.into_iter().enumerate() {
                     set(&mut m, role, source);
                 }
@@ -136,10 +179,14 @@ impl Surfaces {
 pub(super) fn sensor(s: &crate::description::Sensor) -> format::Sensor {
     use crate::description::{Filter, Projection};
     let (kind, half_extent, aperture, focus) = match s.projection {
-        Projection::Perspective { half_tangent, aperture, focus } => {
-            (format::sensor::PERSPECTIVE, half_tangent, aperture, focus)
+        Projection::Perspective {
+            half_tangent,
+            aperture,
+            focus,
+        } => (format::sensor::PERSPECTIVE, half_tangent, aperture, focus),
+        Projection::Orthographic { half_extent } => {
+            (format::sensor::ORTHOGRAPHIC, half_extent, 0.0, 1.0)
         }
-        Projection::Orthographic { half_extent } => (format::sensor::ORTHOGRAPHIC, half_extent, 0.0, 1.0),
     };
     let (filter, filter_radius, filter_sigma) = match s.filter {
         Filter::Box { radius } => (format::sensor::BOX, radius, 0.0),

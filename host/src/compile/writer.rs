@@ -14,7 +14,8 @@ impl Writer {
     /// Adds section `kind`.
     pub fn section<T: NoUninit>(&mut self, kind: u32, records: &[T]) {
         let stride = size_of::<T>() as u32;
-        self.sections.push((kind, stride, cast_slice(records).to_vec()));
+        self.sections
+            .push((kind, stride, cast_slice(records).to_vec()));
     }
 
     /// The blob.

@@ -35,7 +35,10 @@ pub struct ImageError {
 }
 
 fn error(path: &Path, reason: impl ToString) -> ImageError {
-    ImageError { path: path.to_owned(), reason: reason.to_string() }
+    ImageError {
+        path: path.to_owned(),
+        reason: reason.to_string(),
+    }
 }
 
 /// An image file to be: checked before anything is rendered.
@@ -52,17 +55,32 @@ impl Output {
     /// # Errors
     /// An extension that isn't exr, hdr or png, or a folder that can't be written.
     pub fn open(path: &Path) -> Result<Self, ImageError> {
-        let format = match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        let format = match path
+            .extension()
+            .and_then(|e| e.to_str())
+            .map(str::to_ascii_lowercase)
+            .as_deref()
+        {
             Some("exr") => Format::Exr,
             Some("hdr") => Format::Hdr,
             Some("png") => Format::Png,
-            _ => return Err(error(path, "expected a name that ends in .exr, .hdr or .png")),
+            _ => {
+                return Err(error(
+                    path,
+                    "expected a name that ends in .exr, .hdr or .png",
+                ));
+            }
         };
         if path.is_dir() {
             return Err(error(path, "is a folder, expected a file"));
         }
-        let temporary = temporary_beside(path).map_err(|e| error(path, format!("can't be written: {e}")))?;
-        Ok(Self { path: path.to_owned(), format, temporary })
+        let temporary =
+            temporary_beside(path).map_err(|e| error(path, format!("can't be written: {e}")))?;
+        Ok(Self {
+            path: path.to_owned(),
+            format,
+            temporary,
+        })
     }
 
     /// Writes the image and gives the file its name.
@@ -70,7 +88,11 @@ impl Output {
     /// # Errors
     /// What the file system or the encoder says.
     pub fn write(self, image: &Linear, tone: Tone) -> Result<(), ImageError> {
-        let Self { path, format, temporary } = self;
+        let Self {
+            path,
+            format,
+            temporary,
+        } = self;
         encode(temporary.as_file(), format, image, tone).map_err(|e| error(&path, e))?;
         persist(temporary, &path).map_err(|e| error(&path, e))
     }
@@ -104,7 +126,12 @@ pub fn persist(temporary: tempfile::NamedTempFile, path: &Path) -> std::io::Resu
     temporary.persist(path).map(|_| ()).map_err(|e| e.error)
 }
 
-fn encode(file: &std::fs::File, format: Format, image: &Linear, tone: Tone) -> Result<(), Box<dyn std::error::Error>> {
+fn encode(
+    file: &std::fs::File,
+    format: Format,
+    image: &Linear,
+    tone: Tone,
+) -> Result<(), Box<dyn std::error::Error>> {
     let [w, h] = image.size;
     let mut out = BufWriter::new(file);
     match format {
@@ -120,12 +147,24 @@ fn encode(file: &std::fs::File, format: Format, image: &Linear, tone: Tone) -> R
         }
         Format::Hdr => {
             let pixels: Vec<_> = image.pixels.iter().map(|&p| image::Rgb(p)).collect();
-            image::codecs::hdr::HdrEncoder::new(&mut out).encode(&pixels, w as usize, h as usize)?;
+            image::codecs::hdr::HdrEncoder::new(&mut out)
+                .encode(&pixels, w as usize, h as usize)?;
         }
         Format::Png => {
-            let bytes: Vec<u8> = image.pixels.as_flattened().iter().map(|&x| tone.apply(x)).collect();
+            let bytes: Vec<u8> = image
+                .pixels
+                .as_flattened()
+                .iter()
+                .map(|&x| tone.apply(x))
+                .collect();
             let encoder = image::codecs::png::PngEncoder::new(&mut out);
-            image::ImageEncoder::write_image(encoder, &bytes, w, h, image::ExtendedColorType::Rgb8)?;
+            image::ImageEncoder::write_image(
+                encoder,
+                &bytes,
+                w,
+                h,
+                image::ExtendedColorType::Rgb8,
+            )?;
         }
     }
     out.flush()?;
@@ -137,7 +176,12 @@ fn encode(file: &std::fs::File, format: Format, image: &Linear, tone: Tone) -> R
 /// # Errors
 /// A missing or damaged file, or a format that isn't linear.
 pub fn read(path: &Path) -> Result<Linear, ImageError> {
-    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+    match path
+        .extension()
+        .and_then(|e| e.to_str())
+        .map(str::to_ascii_lowercase)
+        .as_deref()
+    {
         Some("exr") => read_exr(path),
         Some("hdr") => {
             let image = image::open(path).map_err(|e| error(path, e))?.into_rgb32f();
@@ -154,8 +198,15 @@ fn read_exr(path: &Path) -> Result<Linear, ImageError> {
     use exr::prelude::*;
     let image = read_first_rgba_layer_from_file(
         path,
-        |size: Vec2<usize>, _: &RgbaChannels| (vec![[0.0f32; 3]; size.width() * size.height()], size.width()),
-        |(pixels, width), at, (r, g, b, _): (f32, f32, f32, f32)| pixels[at.y() * *width + at.x()] = [r, g, b],
+        |size: Vec2<usize>, _: &RgbaChannels| {
+            (
+                vec![[0.0f32; 3]; size.width() * size.height()],
+                size.width(),
+            )
+        },
+        |(pixels, width), at, (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels[at.y() * *width + at.x()] = [r, g, b]
+        },
     )
     .map_err(|e| error(path, e))?;
     let size = image.layer_data.size;

@@ -44,18 +44,28 @@ impl Tone {
 
 /// The sRGB transfer function (IEC 61966-2-1).
 fn srgb(x: f32) -> f32 {
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+    if x <= 0.003_130_8 {
+        12.92 * x
+    } else {
+        1.055 * x.powf(1.0 / 2.4) - 0.055
+    }
 }
 
 impl FromStr for Curve {
     type Err = String;
 
     fn from_str(s: &str) -> Result<Self, String> {
-        let expected = || format!("expected none, reinhard, gamma or gamma:a,c,γ with three numbers, found {s:?}");
+        let expected = || {
+            format!("expected none, reinhard, gamma or gamma:a,c,γ with three numbers, found {s:?}")
+        };
         match s.split_once(':') {
             None if s == "none" => Ok(Self::None),
             None if s == "reinhard" => Ok(Self::Reinhard),
-            None if s == "gamma" => Ok(Self::Gamma { a: 1.0, c: 0.0, gamma: 1.0 / 2.2 }),
+            None if s == "gamma" => Ok(Self::Gamma {
+                a: 1.0,
+                c: 0.0,
+                gamma: 1.0 / 2.2,
+            }),
             Some(("gamma", numbers)) => {
                 let numbers: Vec<f32> = numbers
                     .split(',')
@@ -81,7 +91,10 @@ mod tests {
         let tone = |exposure, curve| Tone { exposure, curve };
         assert_eq!(tone(0.0, Curve::None).apply(0.214_041), 128);
         assert_eq!(tone(1.0, Curve::None).apply(0.5), 255);
-        assert_eq!(tone(0.0, Curve::Reinhard).apply(1.0), tone(0.0, Curve::None).apply(0.5));
+        assert_eq!(
+            tone(0.0, Curve::Reinhard).apply(1.0),
+            tone(0.0, Curve::None).apply(0.5)
+        );
         let gamma: Curve = "gamma:2,0.25,1".parse().unwrap();
         assert_eq!(tone(0.0, gamma).apply(0.0), 128);
         for bad in ["gamma:1,2", "gamma:a,b,c", "Gamma", "gamma:1,nan,1"] {

@@ -76,15 +76,28 @@ struct Worker {
 ///
 /// # Errors
 /// If the threads can't be started.
-pub fn render(scene: &Scene<'_>, options: &Options, stop: &AtomicBool, watch: &(dyn Fn(Progress) + Sync)) -> Result<Rendered, ThreadError> {
+pub fn render(
+    scene: &Scene<'_>,
+    options: &Options,
+    stop: &AtomicBool,
+    watch: &(dyn Fn(Progress) + Sync),
+) -> Result<Rendered, ThreadError> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()
-        .map_err(|source| ThreadError { threads: options.threads, source })?;
+        .map_err(|source| ThreadError {
+            threads: options.threads,
+            source,
+        })?;
     Ok(pool.install(|| passes(scene, options, stop, watch)))
 }
 
-fn passes(scene: &Scene<'_>, options: &Options, stop: &AtomicBool, watch: &(dyn Fn(Progress) + Sync)) -> Rendered {
+fn passes(
+    scene: &Scene<'_>,
+    options: &Options,
+    stop: &AtomicBool,
+    watch: &(dyn Fn(Progress) + Sync),
+) -> Rendered {
     let [width, height] = scene.size();
     let pixels = u64::from(width) * u64::from(height);
     let step = Step::new(scene.film_exponent());
@@ -96,45 +109,76 @@ fn passes(scene: &Scene<'_>, options: &Options, stop: &AtomicBool, watch: &(dyn 
     // Whole passes, several at a time: each tile renders all its samples of a batch in one go.
     while let Some(batch) = budget.next(done, started.elapsed()) {
         let finished = AtomicU64::new(0);
-        bands(&mut samples, width).par_bridge().for_each(|(first_row, rows)| {
-            let worker = &workers[rayon::current_thread_index().unwrap_or(0)];
-            // Nobody else has this thread's worker: the lock is free.
-            let mut worker = worker.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            for tile in 0..width.div_ceil(TILE) {
-                let columns = tile * TILE..((tile + 1) * TILE).min(width);
-                for (y, row) in rows.chunks_mut(width as usize).enumerate() {
-                    for x in columns.clone() {
-                        let pixel = [x, first_row + y as u32];
-                        for index in done..done + batch {
-                            let value = worker.sample(scene, &options.settings, step, pixel, index, width);
-                            step.add(&mut row[x as usize], value, &mut worker.refused);
+        bands(&mut samples, width)
+            .par_bridge()
+            .for_each(|(first_row, rows)| {
+                let worker = &workers[rayon::current_thread_index().unwrap_or(0)];
+                // Nobody else has this thread's worker: the lock is free.
+                let mut worker = worker
+                    .lock()
+                    .unwrap_or_else(std::sync::PoisonError::into_inner);
+                for tile in 0..width.div_ceil(TILE) {
+                    let columns = tile * TILE..((tile + 1) * TILE).min(width);
+                    for (y, row) in rows.chunks_mut(width as usize).enumerate() {
+                        for x in columns.clone() {
+                            let pixel = [x, first_row + y as u32];
+                            for index in done..done + batch {
+                                let value = worker.sample(
+                                    scene,
+                                    &options.settings,
+                                    step,
+                                    pixel,
+                                    index,
+                                    width,
+                                );
+                                step.add(&mut row[x as usize], value, &mut worker.refused);
+                            }
                         }
                     }
+                    let rows = (rows.len() / width as usize) as u64;
+                    let n = u64::from(columns.end - columns.start) * rows * batch;
+                    let all = finished.fetch_add(n, Ordering::Relaxed) + n;
+                    let part = all as f64 / (pixels * batch) as f64;
+                    watch(Progress {
+                        passes: done,
+                        samples: done * pixels + all,
+                        done: budget.share(done, batch, part, started.elapsed()),
+                    });
                 }
-                let rows = (rows.len() / width as usize) as u64;
-                let n = u64::from(columns.end - columns.start) * rows * batch;
-                let all = finished.fetch_add(n, Ordering::Relaxed) + n;
-                let part = all as f64 / (pixels * batch) as f64;
-                watch(Progress {
-                    passes: done,
-                    samples: done * pixels + all,
-                    done: budget.share(done, batch, part, started.elapsed()),
-                });
-            }
-        });
+            });
         done += batch;
         if stop.load(Ordering::Relaxed) {
             break;
         }
     }
     let seconds = started.elapsed().as_secs_f64();
-    develop(samples, workers, step, [width, height], done, seconds, stop.load(Ordering::Relaxed))
+    develop(
+        samples,
+        workers,
+        step,
+        [width, height],
+        done,
+        seconds,
+        stop.load(Ordering::Relaxed),
+    )
 }
 
 impl Worker {
     #[inline]
-    fn sample(&mut self, scene: &Scene<'_>, settings: &Settings, step: Step, pixel: [u32; 2], index: u64, width: u32) -> Rgb {
-        let Self { scratch, splats, refused } = self;
+    fn sample(
+        &mut self,
+        scene: &Scene<'_>,
+        settings: &Settings,
+        step: Step,
+        pixel: [u32; 2],
+        index: u64,
+        width: u32,
+    ) -> Rgb {
+        let Self {
+            scratch,
+            splats,
+            refused,
+        } = self;
         scene.estimate(settings, pixel, index, scratch, &mut |[x, y], value| {
             if let Some(sum) = splats.get_mut((y * width + x) as usize) {
                 step.add(sum, value, refused);
@@ -174,7 +218,9 @@ fn develop(
     let mut refused = Refused::default();
     let mut splats = vec![[0; 3]; samples.len()];
     for worker in workers {
-        let worker = worker.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let worker = worker
+            .into_inner()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         counters += worker.scratch.counters;
         refused += worker.refused;
         for (sum, other) in splats.iter_mut().zip(&worker.splats) {
@@ -191,5 +237,13 @@ fn develop(
             std::array::from_fn(|c| (a[c] + b[c]) as f32)
         })
         .collect();
-    Rendered { size, image, passes, seconds, counters, refused, interrupted }
+    Rendered {
+        size,
+        image,
+        passes,
+        seconds,
+        counters,
+        refused,
+        interrupted,
+    }
 }

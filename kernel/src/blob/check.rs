@@ -81,10 +81,26 @@ impl Problem {
 impl core::fmt::Display for BlobError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         const NAMES: [&str; 16] = [
-            "header", "world", "sensor", "nodes", "packets", "triangles", "spheres", "normals",
-            "uvs", "shapes", "materials", "textures", "texels", "emitters", "choices", "cells",
+            "header",
+            "world",
+            "sensor",
+            "nodes",
+            "packets",
+            "triangles",
+            "spheres",
+            "normals",
+            "uvs",
+            "shapes",
+            "materials",
+            "textures",
+            "texels",
+            "emitters",
+            "choices",
+            "cells",
         ];
-        let name = NAMES.get(self.section as usize).unwrap_or(&"unknown section");
+        let name = NAMES
+            .get(self.section as usize)
+            .unwrap_or(&"unknown section");
         write!(f, "{} ({name}, record {})", self.problem.text(), self.index)
     }
 }
@@ -98,7 +114,11 @@ fn ensure(holds: bool, otherwise: Problem) -> Checked {
 }
 
 /// Runs `check` over the records of a section, and says where it failed.
-fn each<T>(kind: u32, records: &[T], mut check: impl FnMut(usize, &T) -> Checked) -> Result<(), BlobError> {
+fn each<T>(
+    kind: u32,
+    records: &[T],
+    mut check: impl FnMut(usize, &T) -> Checked,
+) -> Result<(), BlobError> {
     for (i, record) in records.iter().enumerate() {
         check(i, record).map_err(|problem| BlobError {
             problem,
@@ -123,7 +143,10 @@ fn finite(values: &[f32]) -> Checked {
 
 /// All of `values` in [low, high]; NaN never is.
 fn within(values: &[f32], low: f32, high: f32) -> Checked {
-    ensure(values.iter().all(|v| (low..=high).contains(v)), Problem::Range)
+    ensure(
+        values.iter().all(|v| (low..=high).contains(v)),
+        Problem::Range,
+    )
 }
 
 fn coordinates(values: &[f32]) -> Checked {
@@ -163,13 +186,19 @@ impl<'a> Contents<'a> {
         ensure(header.needs & !needs::KNOWN == 0, Problem::Needs)?;
         ensure((-64..=64).contains(&header.film_exponent), Problem::Range)?;
         ensure(header.reserved == [0; 8], Problem::Reserved)?;
-        ensure(header.section_count as usize == section::ALL.len(), Problem::Section)?;
+        ensure(
+            header.section_count as usize == section::ALL.len(),
+            Problem::Section,
+        )?;
         let end = 64 + section::ALL.len() * size_of::<Toc>();
         let table = bytes.get(64..end).ok_or(Problem::Truncated)?;
         let table: &[Toc] = bytemuck::try_cast_slice(table).map_err(|_| Problem::Misaligned)?;
         for (i, a) in table.iter().enumerate() {
             ensure(a.reserved == 0, Problem::Reserved)?;
-            let size = a.count.checked_mul(u64::from(a.stride)).ok_or(Problem::Section)?;
+            let size = a
+                .count
+                .checked_mul(u64::from(a.stride))
+                .ok_or(Problem::Section)?;
             let stop = a.offset.checked_add(size).ok_or(Problem::Section)?;
             ensure(
                 a.offset % SECTION_ALIGN == 0
@@ -180,9 +209,14 @@ impl<'a> Contents<'a> {
             )?;
             // Fifteen sections: comparing each with each is still a constant.
             for b in table.iter().take(i) {
-                let b_stop = b.offset.saturating_add(b.count.saturating_mul(u64::from(b.stride)));
+                let b_stop = b
+                    .offset
+                    .saturating_add(b.count.saturating_mul(u64::from(b.stride)));
                 ensure(a.kind != b.kind, Problem::Section)?;
-                ensure(size == 0 || stop <= b.offset || a.offset >= b_stop, Problem::Section)?;
+                ensure(
+                    size == 0 || stop <= b.offset || a.offset >= b_stop,
+                    Problem::Section,
+                )?;
             }
         }
         Ok((header, Self { bytes, table }))
@@ -240,21 +274,39 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
     check_sensor(scene.sensor).map_err(at(section::SENSOR))?;
     ensure(!scene.nodes.is_empty(), Problem::Tree).map_err(at(section::NODES))?;
     each(section::NODES, scene.nodes, |i, n| check_node(&scene, i, n))?;
-    each(section::PACKETS, scene.packets, |_, p: &Packet| coordinates(p.v.as_flattened().as_flattened()))?;
-    each(section::TRIANGLES, scene.triangles, |_, t| check_triangle(&scene, t))?;
-    each(section::SPHERES, scene.spheres, |_, s| check_sphere(&scene, s))?;
+    each(section::PACKETS, scene.packets, |_, p: &Packet| {
+        coordinates(p.v.as_flattened().as_flattened())
+    })?;
+    each(section::TRIANGLES, scene.triangles, |_, t| {
+        check_triangle(&scene, t)
+    })?;
+    each(section::SPHERES, scene.spheres, |_, s| {
+        check_sphere(&scene, s)
+    })?;
     each(section::NORMALS, scene.normals, |_, n| unit(n))?;
     each(section::UVS, scene.uvs, |_, uv| finite(uv))?;
-    each(section::SHAPES, scene.shapes, |i, s| check_shape(&scene, i, s))?;
-    each(section::MATERIALS, scene.materials, |_, m| check_material(&scene, m))?;
+    each(section::SHAPES, scene.shapes, |i, s| {
+        check_shape(&scene, i, s)
+    })?;
+    each(section::MATERIALS, scene.materials, |_, m| {
+        check_material(&scene, m)
+    })?;
     // What textures and environments read may not add up to more than there is: this keeps the
     // pass over their texels linear.
     let mut budget = scene.texels.len() as u64;
-    each(section::TEXTURES, scene.textures, |_, t| check_texture(&scene, t, &mut budget))?;
+    each(section::TEXTURES, scene.textures, |_, t| {
+        check_texture(&scene, t, &mut budget)
+    })?;
     let mut cells = scene.cells.len() as u64;
-    each(section::EMITTERS, scene.emitters, |i, e| check_emitter(&scene, i, e, &mut budget, &mut cells))?;
-    each(section::CHOICES, scene.choices, |_, c| check_choice(&scene, c))?;
-    each(section::CELLS, scene.cells, |_, c: &Cell| within(&[c.keep, c.probability], 0.0, 1.0))?;
+    each(section::EMITTERS, scene.emitters, |i, e| {
+        check_emitter(&scene, i, e, &mut budget, &mut cells)
+    })?;
+    each(section::CHOICES, scene.choices, |_, c| {
+        check_choice(&scene, c)
+    })?;
+    each(section::CELLS, scene.cells, |_, c: &Cell| {
+        within(&[c.keep, c.probability], 0.0, 1.0)
+    })?;
     Ok(scene)
 }
 
@@ -272,7 +324,10 @@ fn check_world(scene: &Scene<'_>) -> Checked {
     optional(w.background, scene.emitters.len())?;
     if let Some(e) = scene.emitter(w.background) {
         ensure(
-            matches!(e.kind, emitter::CONSTANT | emitter::LATLONG | emitter::CUBEMAP),
+            matches!(
+                e.kind,
+                emitter::CONSTANT | emitter::LATLONG | emitter::CUBEMAP
+            ),
             Problem::Reference,
         )?;
     }
@@ -281,13 +336,26 @@ fn check_world(scene: &Scene<'_>) -> Checked {
 }
 
 fn check_sensor(s: &Sensor) -> Checked {
-    ensure(s.kind <= sensor::ORTHOGRAPHIC && s.filter <= sensor::GAUSSIAN, Problem::Kind)?;
+    ensure(
+        s.kind <= sensor::ORTHOGRAPHIC && s.filter <= sensor::GAUSSIAN,
+        Problem::Kind,
+    )?;
     within(&[s.filter_radius], 1e-3, 8.0)?;
-    within(&[s.filter_sigma], if s.filter == sensor::GAUSSIAN { 1e-3 } else { 0.0 }, 8.0)?;
+    within(
+        &[s.filter_sigma],
+        if s.filter == sensor::GAUSSIAN {
+            1e-3
+        } else {
+            0.0
+        },
+        8.0,
+    )?;
     for axis in 0..2 {
         let end = s.crop_offset[axis].checked_add(s.crop_size[axis]);
         ensure(
-            s.crop_size[axis] >= 1 && s.resolution[axis] <= 1 << 16 && end.is_some_and(|e| e <= s.resolution[axis]),
+            s.crop_size[axis] >= 1
+                && s.resolution[axis] <= 1 << 16
+                && end.is_some_and(|e| e <= s.resolution[axis]),
             Problem::Range,
         )?;
     }
@@ -313,19 +381,39 @@ fn check_node(scene: &Scene<'_>, index: usize, n: &Node) -> Checked {
     if index == 0 {
         ensure(n.level == 0 && n.parent == NONE, Problem::Tree)?;
     }
-    ensure(n.low.as_flattened().iter().chain(n.high.as_flattened()).all(|x| !x.is_nan()), Problem::Range)?;
+    ensure(
+        n.low
+            .as_flattened()
+            .iter()
+            .chain(n.high.as_flattened())
+            .all(|x| !x.is_nan()),
+        Problem::Range,
+    )?;
     for (i, &reference) in n.children.iter().enumerate() {
         if reference == child::EMPTY {
             continue;
         }
         if reference & child::LEAF == 0 {
-            let below = scene.nodes.get(reference as usize).ok_or(Problem::Reference)?;
-            ensure(reference != 0 && below.parent as usize == index && below.level == n.level + 1, Problem::Tree)?;
-            ensure(n.children.iter().take(i).all(|&c| c != reference), Problem::Tree)?;
+            let below = scene
+                .nodes
+                .get(reference as usize)
+                .ok_or(Problem::Reference)?;
+            ensure(
+                reference != 0 && below.parent as usize == index && below.level == n.level + 1,
+                Problem::Tree,
+            )?;
+            ensure(
+                n.children.iter().take(i).all(|&c| c != reference),
+                Problem::Tree,
+            )?;
         } else {
             let spheres = reference & child::SPHERES != 0;
             let count = ((reference >> child::COUNT_SHIFT) & 15) + 1;
-            let all = if spheres { scene.spheres.len() } else { scene.packets.len() };
+            let all = if spheres {
+                scene.spheres.len()
+            } else {
+                scene.packets.len()
+            };
             span(reference & child::START_MASK, u64::from(count), all)?;
         }
     }
@@ -338,7 +426,10 @@ fn check_triangle(scene: &Scene<'_>, t: &Triangle) -> Checked {
     }
     let shape = scene.shape(t.shape).ok_or(Problem::Reference)?;
     let indexed = shape.normals != NONE || shape.uvs != NONE;
-    ensure(!indexed || t.index.iter().all(|&i| i < shape.vertices), Problem::Reference)
+    ensure(
+        !indexed || t.index.iter().all(|&i| i < shape.vertices),
+        Problem::Reference,
+    )
 }
 
 fn check_sphere(scene: &Scene<'_>, s: &Sphere) -> Checked {
@@ -356,7 +447,10 @@ fn check_shape(scene: &Scene<'_>, index: usize, s: &Shape) -> Checked {
     optional(s.opacity, scene.textures.len())?;
     optional(s.emitter, scene.emitters.len())?;
     if let Some(e) = scene.emitter(s.emitter) {
-        ensure(e.kind == emitter::AREA && e.shape as usize == index, Problem::Reference)?;
+        ensure(
+            e.kind == emitter::AREA && e.shape as usize == index,
+            Problem::Reference,
+        )?;
     }
     if s.normals != NONE {
         span(s.normals, u64::from(s.vertices), scene.normals.len())?;
@@ -369,7 +463,11 @@ fn check_shape(scene: &Scene<'_>, index: usize, s: &Shape) -> Checked {
 
 fn check_material(scene: &Scene<'_>, m: &Material) -> Checked {
     ensure(m.kind <= material::SHEET, Problem::Kind)?;
-    let known = if m.kind == material::DIELECTRIC { material::SCHLICK } else { 0 };
+    let known = if m.kind == material::DIELECTRIC {
+        material::SCHLICK
+    } else {
+        0
+    };
     ensure(m.flags & !known == 0, Problem::Kind)?;
     within(m.color.as_flattened(), 0.0, 1.0)?;
     for &t in &m.texture {
@@ -383,7 +481,10 @@ fn check_material(scene: &Scene<'_>, m: &Material) -> Checked {
 
 fn check_texture(scene: &Scene<'_>, t: &Texture, budget: &mut u64) -> Checked {
     let known = texture::NEAREST | texture::CLAMP | texture::MIRROR | texture::ALPHA;
-    ensure(t.kind <= texture::FLOAT && t.flags & !known == 0, Problem::Kind)?;
+    ensure(
+        t.kind <= texture::FLOAT && t.flags & !known == 0,
+        Problem::Kind,
+    )?;
     finite(t.to_uv.as_flattened())?;
     within(t.color.as_flattened(), 0.0, 1.0)?;
     ensure(t.reserved == 0 && t.reserved2 == [0; 6], Problem::Reserved)?;
@@ -393,20 +494,42 @@ fn check_texture(scene: &Scene<'_>, t: &Texture, budget: &mut u64) -> Checked {
     let words = if t.kind == texture::FLOAT { 3 } else { 1 };
     let texels = image(scene, t.texels, t.width, t.height, words, budget)?;
     let unit = |w: &u32| (0.0..=1.0).contains(&f32::from_bits(*w));
-    ensure(t.kind != texture::FLOAT || texels.iter().all(unit), Problem::Range)
+    ensure(
+        t.kind != texture::FLOAT || texels.iter().all(unit),
+        Problem::Range,
+    )
 }
 
 /// The words of an image, paid for from the budget.
-fn image<'a>(scene: &Scene<'a>, first: u32, width: u32, height: u32, words: u64, budget: &mut u64) -> Result<&'a [u32], Problem> {
-    ensure((1..=1 << 16).contains(&width) && (1..=1 << 18).contains(&height), Problem::Range)?;
+fn image<'a>(
+    scene: &Scene<'a>,
+    first: u32,
+    width: u32,
+    height: u32,
+    words: u64,
+    budget: &mut u64,
+) -> Result<&'a [u32], Problem> {
+    ensure(
+        (1..=1 << 16).contains(&width) && (1..=1 << 18).contains(&height),
+        Problem::Range,
+    )?;
     let count = u64::from(width) * u64::from(height) * words;
     span(first, count, scene.texels.len())?;
     *budget = budget.checked_sub(count).ok_or(Problem::Section)?;
     let first = first as usize;
-    scene.texels.get(first..first + count as usize).ok_or(Problem::Reference)
+    scene
+        .texels
+        .get(first..first + count as usize)
+        .ok_or(Problem::Reference)
 }
 
-fn check_emitter(scene: &Scene<'_>, index: usize, e: &Emitter, texels: &mut u64, cells: &mut u64) -> Checked {
+fn check_emitter(
+    scene: &Scene<'_>,
+    index: usize,
+    e: &Emitter,
+    texels: &mut u64,
+    cells: &mut u64,
+) -> Checked {
     ensure(e.kind <= emitter::CUBEMAP, Problem::Kind)?;
     within(&e.radiance, 0.0, 1e30)?;
     within(&[e.density], 0.0, f32::MAX)?;
@@ -426,17 +549,35 @@ fn check_emitter(scene: &Scene<'_>, index: usize, e: &Emitter, texels: &mut u64,
         emitter::LATLONG | emitter::CUBEMAP => {
             e.to_local.iter().try_for_each(unit)?;
             let lat_long = e.kind == emitter::LATLONG;
-            let rows = if lat_long { e.height.checked_sub(1) } else { Some(e.height) };
+            let rows = if lat_long {
+                e.height.checked_sub(1)
+            } else {
+                Some(e.height)
+            };
             let rows = rows.filter(|&r| r >= 1).ok_or(Problem::Range)?;
-            ensure(lat_long || u64::from(e.height) == 6 * u64::from(e.width), Problem::Mismatch)?;
+            ensure(
+                lat_long || u64::from(e.height) == 6 * u64::from(e.width),
+                Problem::Mismatch,
+            )?;
             let words = image(scene, e.texels, e.width, e.height, 3, texels)?;
-            ensure(words.iter().all(|w| (0.0..=1e30).contains(&f32::from_bits(*w))), Problem::Range)?;
+            ensure(
+                words
+                    .iter()
+                    .all(|w| (0.0..=1e30).contains(&f32::from_bits(*w))),
+                Problem::Range,
+            )?;
             let count = u64::from(e.width) * u64::from(rows);
             span(e.cells, count, scene.cells.len())?;
             *cells = cells.checked_sub(count).ok_or(Problem::Section)?;
             let first = e.cells as usize;
-            let own = scene.cells.get(first..first + count as usize).ok_or(Problem::Reference)?;
-            ensure(own.iter().all(|c| u64::from(c.alias) < count), Problem::Reference)
+            let own = scene
+                .cells
+                .get(first..first + count as usize)
+                .ok_or(Problem::Reference)?;
+            ensure(
+                own.iter().all(|c| u64::from(c.alias) < count),
+                Problem::Reference,
+            )
         }
         _ => Ok(()),
     }

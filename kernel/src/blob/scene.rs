@@ -149,14 +149,21 @@ impl<'a> Scene<'a> {
     /// Every triangle with its primitive id: what an engine builds its own [`crate::shape::Tracer`] over.
     pub fn triangles(&self) -> impl Iterator<Item = (u32, [[f32; 3]; 3])> + 'a {
         let triangles = self.triangles;
-        self.packets.iter().enumerate().flat_map(move |(p, packet)| {
-            (0..LANES).filter_map(move |lane| {
-                let slot = p * LANES + lane;
-                let used = triangles.get(slot).is_some_and(|t| t.shape != NONE);
-                let corner = |v: usize| packet.v.get(v).map_or([0.0; 3], |c| c.map(|axis| axis.get(lane).copied().unwrap_or(0.0)));
-                used.then(|| (slot as u32, [corner(0), corner(1), corner(2)]))
+        self.packets
+            .iter()
+            .enumerate()
+            .flat_map(move |(p, packet)| {
+                (0..LANES).filter_map(move |lane| {
+                    let slot = p * LANES + lane;
+                    let used = triangles.get(slot).is_some_and(|t| t.shape != NONE);
+                    let corner = |v: usize| {
+                        packet.v.get(v).map_or([0.0; 3], |c| {
+                            c.map(|axis| axis.get(lane).copied().unwrap_or(0.0))
+                        })
+                    };
+                    used.then(|| (slot as u32, [corner(0), corner(1), corner(2)]))
+                })
             })
-        })
     }
 
     /// Every sphere with its primitive id, centre and radius.

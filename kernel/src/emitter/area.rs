@@ -14,7 +14,11 @@ use crate::warp;
 /// Radiance that leaves `point` towards `direction` (s = 0): on the side of the normal only.
 #[inline(always)]
 pub fn radiance<S: Spectrum>(e: &Emitter, point: &Point, direction: Vec3) -> S {
-    if point.normal.dot(direction) > 0.0 { S::from_rgb(e.radiance) } else { S::BLACK }
+    if point.normal.dot(direction) > 0.0 {
+        S::from_rgb(e.radiance)
+    } else {
+        S::BLACK
+    }
 }
 
 /// p_trace(x₀) per area: uniform over the shape.
@@ -25,14 +29,25 @@ pub fn trace_density(e: &Emitter) -> Real {
 
 /// p_connect(x₀ = `point` | y) per solid angle at y, for a walk from y that happened on it at `distance`.
 #[inline(always)]
-pub fn connect_density(scene: &Scene<'_>, e: &Emitter, point: &Point, y: Vec3, direction: Vec3, distance: Real) -> Real {
+pub fn connect_density(
+    scene: &Scene<'_>,
+    e: &Emitter,
+    point: &Point,
+    y: Vec3,
+    direction: Vec3,
+    distance: Real,
+) -> Real {
     if let Some(sphere) = scene.sphere(point.primitive)
         && let Some(cone) = Cone::towards(sphere, y)
     {
         return Real::from(e.density) * area(sphere) / cone.solid_angle();
     }
     let cos = direction.dot(point.normal).abs();
-    if cos > 0.0 { Real::from(e.density) * square(distance) / cos } else { 0.0 }
+    if cos > 0.0 {
+        Real::from(e.density) * square(distance) / cos
+    } else {
+        0.0
+    }
 }
 
 /// p_connect(x₀ | y)/p_trace(x₀) for a point x₀ of a sphere.
@@ -50,7 +65,13 @@ pub(super) fn connect_over_trace(sphere: &Sphere, x0: Vec3, normal: Vec3, y: Vec
 
 /// Light that arrives at `y` from `primitive`.
 #[inline(always)]
-pub(super) fn incident<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, primitive: u32, y: Vec3, xi: [Real; 2]) -> Option<Incident<S>> {
+pub(super) fn incident<S: Spectrum>(
+    scene: &Scene<'_>,
+    e: &Emitter,
+    primitive: u32,
+    y: Vec3,
+    xi: [Real; 2],
+) -> Option<Incident<S>> {
     let density = Real::from(e.density);
     if let Some(sphere) = scene.sphere(primitive)
         && let Some(cone) = Cone::towards(sphere, y)
@@ -90,9 +111,19 @@ pub(super) fn incident<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, primitive: u
 
 /// Light that leaves: a uniform point, a direction by the cosine.
 #[inline(always)]
-pub(super) fn emission<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, primitive: u32, xi: [Real; 2], direction: [Real; 2]) -> Option<Emission<S>> {
+pub(super) fn emission<S: Spectrum>(
+    scene: &Scene<'_>,
+    e: &Emitter,
+    primitive: u32,
+    xi: [Real; 2],
+    direction: [Real; 2],
+) -> Option<Emission<S>> {
     let point = match scene.sphere(primitive) {
-        Some(s) => Point::on_sphere(scene, primitive, vec3(s.center) + warp::sphere(xi) * Real::from(s.radius))?,
+        Some(s) => Point::on_sphere(
+            scene,
+            primitive,
+            vec3(s.center) + warp::sphere(xi) * Real::from(s.radius),
+        )?,
         None => {
             let [u, v] = warp::triangle(xi);
             Point::on_triangle(scene, primitive, u, v)?
@@ -130,7 +161,10 @@ fn position(scene: &Scene<'_>, primitive: u32, xi: [Real; 2]) -> Option<(Vec3, V
     }
     let [p0, p1, p2] = scene.corners(primitive)?;
     let [u, v] = warp::triangle(xi);
-    Some((p0 * (1.0 - u - v) + p1 * u + p2 * v, crate::shape::triangle_normal(p0, p1, p2)))
+    Some((
+        p0 * (1.0 - u - v) + p1 * u + p2 * v,
+        crate::shape::triangle_normal(p0, p1, p2),
+    ))
 }
 
 #[inline(always)]

@@ -19,7 +19,11 @@ fn entry(count: usize, xi: [Real; 2]) -> (usize, Real) {
 pub fn pick_choice<'a>(choices: &'a [Choice], xi: [Real; 2]) -> Option<&'a Choice> {
     let (index, fraction) = entry(choices.len(), xi);
     let first = choices.get(index)?;
-    if fraction < Real::from(first.keep) { Some(first) } else { choices.get(first.alias as usize) }
+    if fraction < Real::from(first.keep) {
+        Some(first)
+    } else {
+        choices.get(first.alias as usize)
+    }
 }
 
 /// Which cell of an environment's `cells`, with its index.

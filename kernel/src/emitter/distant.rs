@@ -20,8 +20,17 @@ pub fn background<S: Spectrum>(scene: &Scene<'_>, direction: Vec3) -> Option<(S,
 
 /// Light that arrives from a background.
 #[inline(always)]
-pub(super) fn incident<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, xi: [Real; 2], more: [Real; 2]) -> Option<Incident<S>> {
-    let Direction { direction, radiance, pdf } = sample(scene, e, xi, more)?;
+pub(super) fn incident<S: Spectrum>(
+    scene: &Scene<'_>,
+    e: &Emitter,
+    xi: [Real; 2],
+    more: [Real; 2],
+) -> Option<Incident<S>> {
+    let Direction {
+        direction,
+        radiance,
+        pdf,
+    } = sample(scene, e, xi, more)?;
     Some(Incident {
         direction,
         distance: Real::INFINITY,
@@ -35,11 +44,23 @@ pub(super) fn incident<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, xi: [Real; 2
 
 /// Light that leaves a background: from a direction as above, through a point of the disc.
 #[inline(always)]
-pub(super) fn emission<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, disc: [Real; 2], xi: [Real; 2], more: [Real; 2]) -> Option<Emission<S>> {
-    let Direction { direction, radiance, pdf } = sample::<S>(scene, e, xi, more)?;
+pub(super) fn emission<S: Spectrum>(
+    scene: &Scene<'_>,
+    e: &Emitter,
+    disc: [Real; 2],
+    xi: [Real; 2],
+    more: [Real; 2],
+) -> Option<Emission<S>> {
+    let Direction {
+        direction,
+        radiance,
+        pdf,
+    } = sample::<S>(scene, e, xi, more)?;
     let trace = pdf * Real::from(e.density);
     let visible = radiance * (1.0 / trace);
-    Some(enter(scene, -direction, disc, visible, visible, trace, false))
+    Some(enter(
+        scene, -direction, disc, visible, visible, trace, false,
+    ))
 }
 
 /// Light that arrives from a far star.
@@ -58,7 +79,11 @@ pub(super) fn directional_incident<S: Spectrum>(scene: &Scene<'_>, e: &Emitter) 
 
 /// Light that leaves a far star.
 #[inline(always)]
-pub(super) fn directional_emission<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, disc: [Real; 2]) -> Emission<S> {
+pub(super) fn directional_emission<S: Spectrum>(
+    scene: &Scene<'_>,
+    e: &Emitter,
+    disc: [Real; 2],
+) -> Emission<S> {
     let trace = Real::from(e.density);
     let flux = S::from_rgb(e.radiance) * (1.0 / trace);
     enter(scene, vec3(e.direction), disc, flux, S::BLACK, trace, true)
@@ -66,7 +91,15 @@ pub(super) fn directional_emission<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, 
 
 /// A ray that enters the scene along `direction` through the disc of its bounding sphere.
 #[inline(always)]
-fn enter<S: Spectrum>(scene: &Scene<'_>, direction: Vec3, disc: [Real; 2], radiance: S, visible: S, trace: Real, dirac: bool) -> Emission<S> {
+fn enter<S: Spectrum>(
+    scene: &Scene<'_>,
+    direction: Vec3,
+    disc: [Real; 2],
+    radiance: S,
+    visible: S,
+    trace: Real,
+    dirac: bool,
+) -> Emission<S> {
     let world = scene.world();
     let radius = Real::from(world.radius);
     let [x, y] = warp::disc(disc);

@@ -21,19 +21,32 @@ pub(super) struct Direction<S> {
 
 /// What comes from `direction`.
 #[inline]
-pub(super) fn radiance<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, direction: Vec3) -> Direction<S> {
+pub(super) fn radiance<S: Spectrum>(
+    scene: &Scene<'_>,
+    e: &Emitter,
+    direction: Vec3,
+) -> Direction<S> {
     let scale = S::from_rgb(e.radiance);
     let (texel, pdf) = match e.kind {
         kind::CONSTANT => (S::WHITE, 0.25 * INV_PI),
         kind::LATLONG => LatLong { scene, e }.look(to_local(e, direction)),
         _ => CubeMap { scene, e }.look(to_local(e, direction)),
     };
-    Direction { direction, radiance: texel * scale, pdf }
+    Direction {
+        direction,
+        radiance: texel * scale,
+        pdf,
+    }
 }
 
 /// Draws a direction by importance.
 #[inline]
-pub(super) fn sample<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, xi: [Real; 2], more: [Real; 2]) -> Option<Direction<S>> {
+pub(super) fn sample<S: Spectrum>(
+    scene: &Scene<'_>,
+    e: &Emitter,
+    xi: [Real; 2],
+    more: [Real; 2],
+) -> Option<Direction<S>> {
     if e.kind == kind::CONSTANT {
         return Some(radiance(scene, e, warp::sphere(xi)));
     }
@@ -52,16 +65,27 @@ pub(super) fn sample<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, xi: [Real; 2],
 
 #[inline(always)]
 fn cells<'a>(scene: &Scene<'a>, e: &Emitter) -> &'a [Cell] {
-    let rows = if e.kind == kind::LATLONG { e.height.saturating_sub(1) } else { e.height };
+    let rows = if e.kind == kind::LATLONG {
+        e.height.saturating_sub(1)
+    } else {
+        e.height
+    };
     let count = (e.width as usize).saturating_mul(rows as usize);
     let first = e.cells as usize;
-    scene.cells().get(first..first.saturating_add(count)).unwrap_or(&[])
+    scene
+        .cells()
+        .get(first..first.saturating_add(count))
+        .unwrap_or(&[])
 }
 
 #[inline(always)]
 fn to_local(e: &Emitter, direction: Vec3) -> Vec3 {
     let rows = e.to_local.map(vec3);
-    Vec3::new(rows[0].dot(direction), rows[1].dot(direction), rows[2].dot(direction))
+    Vec3::new(
+        rows[0].dot(direction),
+        rows[1].dot(direction),
+        rows[2].dot(direction),
+    )
 }
 
 #[inline(always)]
@@ -120,7 +144,10 @@ impl LatLong<'_, '_> {
     #[inline]
     fn direction(&self, index: usize, xi: [Real; 2]) -> Vec3 {
         let (w, step) = (self.e.width, self.step());
-        let (row, column) = ((index / w.max(1) as usize) as Real, (index % w.max(1) as usize) as Real);
+        let (row, column) = (
+            (index / w.max(1) as usize) as Real,
+            (index % w.max(1) as usize) as Real,
+        );
         let phi = (column + 0.5 + xi[0]) * (2.0 * PI / w as Real);
         let (top, bottom) = (cos(row * step), cos((row + 1.0) * step));
         let y = top + (bottom - top) * xi[1];

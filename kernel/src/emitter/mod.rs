@@ -110,7 +110,11 @@ pub fn emission<S: Spectrum>(
         kind::DIRECTIONAL => Some(distant::directional_emission(scene, emitter, position)),
         _ => distant::emission(scene, emitter, position, direction, more),
     }
-    .map(|e| Emission { emitter: entry.emitter, primitive: entry.primitive, ..e })
+    .map(|e| Emission {
+        emitter: entry.emitter,
+        primitive: entry.primitive,
+        ..e
+    })
 }
 
 /// p_connect(x₀ | y)/p_trace(x₀) for x₀ of `emission`, both in the same measure.

@@ -30,7 +30,11 @@ fn direction_pdf(e: &Emitter, direction: Vec3) -> Real {
         return 0.25 * INV_PI;
     }
     let outer = Real::from(e.cos_outer);
-    if direction.dot(vec3(e.direction)) < outer { 0.0 } else { 0.5 * INV_PI / (1.0 - outer) }
+    if direction.dot(vec3(e.direction)) < outer {
+        0.0
+    } else {
+        0.5 * INV_PI / (1.0 - outer)
+    }
 }
 
 /// Light that arrives at `y`.

@@ -11,7 +11,10 @@
 use super::light::{Seen, emit, see_light, see_vertex};
 use super::{Scratch, Settings, spread};
 use crate::emitter;
-use crate::path::{Arrival, History, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first, emission_terms};
+use crate::path::{
+    Arrival, History, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first,
+    emission_terms,
+};
 use crate::random::{Purpose, Sampler};
 use crate::real::{INV_PI, Real, sqrt, square};
 use crate::sensor::Element;
@@ -36,7 +39,9 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
     let limit = settings.limit();
     if limit > 0 {
         let mis = super::mis(settings, element.light_paths(trace.scene), N);
-        light_side(trace, limit, &mis, element, sampler, scratch, &mut sum, splat);
+        light_side(
+            trace, limit, &mis, element, sampler, scratch, &mut sum, splat,
+        );
         sensor_side(trace, limit, &mis, element, sampler, scratch, &mut sum);
     }
     sum
@@ -71,7 +76,14 @@ fn light_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
             ..Junction::default()
         };
         let weight = mis.weight(&junction, terms, &Terms::default(), links, none);
-        spread(scene, element, seen.projection.raster, seen.value * weight, sum, splat);
+        spread(
+            scene,
+            element,
+            seen.projection.raster,
+            seen.value * weight,
+            sum,
+            splat,
+        );
     };
     if mis.light_paths > 0.0 {
         let seen = see_light(trace, element, &emission, sampler);
@@ -144,7 +156,16 @@ fn sensor_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
                     break;
                 }
                 if x.surface.has_smooth() {
-                    *sum += connect(trace, mis, x, &vertex, i + 2, t, &scratch.links, &scratch.sensor);
+                    *sum += connect(
+                        trace,
+                        mis,
+                        x,
+                        &vertex,
+                        i + 2,
+                        t,
+                        &scratch.links,
+                        &scratch.sensor,
+                    );
                 }
             }
         }
@@ -180,7 +201,8 @@ fn escaped<S: Spectrum, T: Tracer, const N: usize>(
     terms: &Terms,
     sensor: &History<N>,
 ) -> S {
-    let Some((radiance, density)) = emitter::background::<S>(trace.scene, walk.ray.direction) else {
+    let Some((radiance, density)) = emitter::background::<S>(trace.scene, walk.ray.direction)
+    else {
         return S::BLACK;
     };
     let junction = Junction {
@@ -207,7 +229,10 @@ fn met_light<S: Spectrum, T: Tracer, const N: usize>(
     sensor: &History<N>,
 ) -> S {
     let scene = trace.scene;
-    let Some(e) = scene.shape(y.point.shape).and_then(|s| scene.emitter(s.emitter)) else {
+    let Some(e) = scene
+        .shape(y.point.shape)
+        .and_then(|s| scene.emitter(s.emitter))
+    else {
         return S::BLACK;
     };
     let radiance = emitter::radiance::<S>(e, &y.point, y.previous);
@@ -220,7 +245,8 @@ fn met_light<S: Spectrum, T: Tracer, const N: usize>(
     let connected = if walk.edges == 1 {
         traced
     } else {
-        emitter::connect_density(scene, e, &y.point, from, walk.ray.direction, distance) * cos / square(distance)
+        emitter::connect_density(scene, e, &y.point, from, walk.ray.direction, distance) * cos
+            / square(distance)
     };
     let junction = Junction {
         light_vertices: 0,
@@ -246,7 +272,8 @@ fn next_event<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
 ) -> S {
     let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
     let more = sampler.two(Purpose::Emission);
-    let Some(light) = emitter::incident::<S>(trace.scene, y.point.position, choice, xi, more) else {
+    let Some(light) = emitter::incident::<S>(trace.scene, y.point.position, choice, xi, more)
+    else {
         return S::BLACK;
     };
     let Some(joint) = y.join(light.direction, Mode::Radiance) else {
@@ -262,7 +289,11 @@ fn next_event<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
         return S::BLACK;
     }
     let cos = light.direction.dot(y.point.normal).abs();
-    let x0 = Terms { forward: 1.0, a: if light.dirac { 0.0 } else { 1.0 }, ..Terms::default() };
+    let x0 = Terms {
+        forward: 1.0,
+        a: if light.dirac { 0.0 } else { 1.0 },
+        ..Terms::default()
+    };
     let junction = Junction {
         light_vertices: 1,
         sensor_vertices: t,
@@ -315,7 +346,10 @@ fn connect<S: Spectrum, T: Tracer, const N: usize>(
         return S::BLACK;
     }
     let inverse_square = 1.0 / squared;
-    let (cos_x, cos_y) = (direction.dot(x.point.normal).abs(), direction.dot(y.point.normal).abs());
+    let (cos_x, cos_y) = (
+        direction.dot(x.point.normal).abs(),
+        direction.dot(y.point.normal).abs(),
+    );
     let junction = Junction {
         light_vertices: s,
         sensor_vertices: t,

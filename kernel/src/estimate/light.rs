@@ -29,7 +29,14 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
         return own;
     };
     if let Some(seen) = see_light(trace, element, &emission, sampler) {
-        spread(trace.scene, element, seen.projection.raster, seen.value, &mut own, splat);
+        spread(
+            trace.scene,
+            element,
+            seen.projection.raster,
+            seen.value,
+            &mut own,
+            splat,
+        );
     }
     let mis = super::mis(settings, 0.0, 1);
     let mut walk = Walk::from_light(&emission);
@@ -38,7 +45,14 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
             break;
         };
         if let Some(seen) = see_vertex(trace, element, &vertex, sampler) {
-            spread(trace.scene, element, seen.projection.raster, seen.value, &mut own, splat);
+            spread(
+                trace.scene,
+                element,
+                seen.projection.raster,
+                seen.value,
+                &mut own,
+                splat,
+            );
         }
         if walk.leave(&vertex, sampler).is_none() {
             break;
@@ -49,10 +63,16 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
 
 /// x₀ and the walk's first direction.
 #[inline(always)]
-pub(super) fn emit<S: Spectrum, T: Tracer, P: Sampler>(trace: &mut Trace<'_, '_, T>, sampler: &mut P) -> Option<Emission<S>> {
+pub(super) fn emit<S: Spectrum, T: Tracer, P: Sampler>(
+    trace: &mut Trace<'_, '_, T>,
+    sampler: &mut P,
+) -> Option<Emission<S>> {
     sampler.at(Subpath::Light, 0);
     let (choice, position) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
-    let (direction, more) = (sampler.two(Purpose::Emission), sampler.two(Purpose::Direction));
+    let (direction, more) = (
+        sampler.two(Purpose::Emission),
+        sampler.two(Purpose::Direction),
+    );
     trace.counters.light_walks += 1;
     emitter::emission(trace.scene, choice, position, direction, more)
 }
@@ -84,7 +104,12 @@ pub(super) fn see_light<S: Spectrum, T: Tracer, P: Sampler>(
     let (projection, cos, ray) = if emission.distant {
         let towards = -emission.direction;
         let (projection, lens) = element.project_distant(trace.scene, towards, lens)?;
-        let ray = Ray { origin: lens, direction: towards, t_min: 0.0, t_max: Real::INFINITY };
+        let ray = Ray {
+            origin: lens,
+            direction: towards,
+            t_min: 0.0,
+            t_max: Real::INFINITY,
+        };
         (projection, 1.0, ray)
     } else {
         let projection = element.project(trace.scene, emission.position, lens)?;
@@ -123,7 +148,9 @@ pub(super) fn see_vertex<S: Spectrum, T: Tracer, P: Sampler>(
     }
     let lens = sampler.two(Purpose::Lens);
     let projection = element.project(trace.scene, vertex.point.position, lens)?;
-    let Joint { value, pdf_reverse, .. } = vertex.join(projection.direction, Mode::Importance)?;
+    let Joint {
+        value, pdf_reverse, ..
+    } = vertex.join(projection.direction, Mode::Importance)?;
     let free = trace.visibility(Ray {
         origin: vertex.point.leave(projection.direction),
         direction: projection.direction,

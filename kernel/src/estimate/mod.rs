@@ -112,13 +112,24 @@ impl Scene<'_> {
         index: u64,
         scratch: &mut Scratch<N>,
     ) -> Rgb {
-        let ray = Ray { origin, direction, t_min: 0.0, t_max: Real::INFINITY };
+        let ray = Ray {
+            origin,
+            direction,
+            t_min: 0.0,
+            t_max: Real::INFINITY,
+        };
         let mut settings = *settings;
         if settings.estimator == Estimator::Light {
             settings.estimator = Estimator::Path;
         }
         let sampler = &mut Pcg::new(settings.seed, id, index);
-        self.dispatch(&settings, &Element::Ray(ray), sampler, scratch, &mut |_, _| ())
+        self.dispatch(
+            &settings,
+            &Element::Ray(ray),
+            sampler,
+            scratch,
+            &mut |_, _| (),
+        )
     }
 
     /// One sample of the irradiance at `position` on the side of `normal` (unit): a texel of a light
@@ -134,7 +145,10 @@ impl Scene<'_> {
     ) -> Rgb {
         // Off the geometry, by what rounding may have put the caller's point beneath it.
         let offset = 4.0 * gamma(7) * position.abs().dot(normal.abs());
-        let element = Element::Irradiance { position: position + normal * offset, normal };
+        let element = Element::Irradiance {
+            position: position + normal * offset,
+            normal,
+        };
         let sampler = &mut Pcg::new(settings.seed, id, index);
         self.dispatch(settings, &element, sampler, scratch, &mut |_, _| ())
     }
@@ -150,17 +164,35 @@ impl Scene<'_> {
         splat: &mut impl FnMut([u32; 2], Rgb),
     ) -> Rgb {
         match self.isa() {
-            Instructions::Scalar(isa) => {
-                estimate_with(self, &self.tracer(isa), settings, element, sampler, scratch, splat)
-            }
+            Instructions::Scalar(isa) => estimate_with(
+                self,
+                &self.tracer(isa),
+                settings,
+                element,
+                sampler,
+                scratch,
+                splat,
+            ),
             #[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
-            Instructions::Sse2(isa) => {
-                estimate_with(self, &self.tracer(isa), settings, element, sampler, scratch, splat)
-            }
+            Instructions::Sse2(isa) => estimate_with(
+                self,
+                &self.tracer(isa),
+                settings,
+                element,
+                sampler,
+                scratch,
+                splat,
+            ),
             #[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
-            Instructions::Avx2(isa) => {
-                estimate_with(self, &self.tracer(isa), settings, element, sampler, scratch, splat)
-            }
+            Instructions::Avx2(isa) => estimate_with(
+                self,
+                &self.tracer(isa),
+                settings,
+                element,
+                sampler,
+                scratch,
+                splat,
+            ),
         }
     }
 }
@@ -231,7 +263,8 @@ fn spread<S: Spectrum>(
         Element::Pixel(_) => {
             let value = value * (1.0 / element.light_paths(scene));
             let sensor = scene.sensor();
-            Footprint::around(sensor, raster).for_each(sensor, |pixel, filter| splat(pixel, value * filter));
+            Footprint::around(sensor, raster)
+                .for_each(sensor, |pixel, filter| splat(pixel, value * filter));
         }
         _ => *own += value,
     }

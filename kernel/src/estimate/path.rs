@@ -34,8 +34,14 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
         let (vertex, distance) = match walk.arrive(trace, sampler, &mis) {
             Arrival::Vertex(vertex, distance) => (vertex, distance),
             Arrival::Escaped(_) => {
-                if let Some((background, density)) = emitter::background::<S>(scene, walk.ray.direction) {
-                    let weight = if from.is_some() { share(settings.heuristic, walk.pdf(), density, true) } else { 1.0 };
+                if let Some((background, density)) =
+                    emitter::background::<S>(scene, walk.ray.direction)
+                {
+                    let weight = if from.is_some() {
+                        share(settings.heuristic, walk.pdf(), density, true)
+                    } else {
+                        1.0
+                    };
                     radiance += walk.throughput * background * weight;
                 }
                 break;
@@ -43,12 +49,22 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
             Arrival::Cut => break,
         };
         // s = 0.
-        if let Some(e) = scene.shape(vertex.point.shape).and_then(|s| scene.emitter(s.emitter)) {
+        if let Some(e) = scene
+            .shape(vertex.point.shape)
+            .and_then(|s| scene.emitter(s.emitter))
+        {
             let emitted = emitter::radiance::<S>(e, &vertex.point, vertex.previous);
             if !emitted.is_black() {
                 let weight = match from {
                     Some(y) => {
-                        let density = emitter::connect_density(scene, e, &vertex.point, y, walk.ray.direction, distance);
+                        let density = emitter::connect_density(
+                            scene,
+                            e,
+                            &vertex.point,
+                            y,
+                            walk.ray.direction,
+                            distance,
+                        );
                         share(settings.heuristic, walk.pdf(), density, true)
                     }
                     None => 1.0,
@@ -63,7 +79,8 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
         if vertex.surface.has_smooth() {
             let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
             let more = sampler.two(Purpose::Emission);
-            if let Some(light) = emitter::incident::<S>(scene, vertex.point.position, choice, xi, more)
+            if let Some(light) =
+                emitter::incident::<S>(scene, vertex.point.position, choice, xi, more)
                 && let Some(joint) = vertex.join(light.direction, Mode::Radiance)
             {
                 let free = trace.visibility(Ray {
@@ -73,8 +90,15 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
                     t_max: light.distance,
                 });
                 if free > 0.0 {
-                    let weight = if light.dirac { 1.0 } else { share(settings.heuristic, light.pdf, joint.pdf, false) };
-                    radiance += walk.throughput * joint.value * light.radiance * (weight * free / light.pdf);
+                    let weight = if light.dirac {
+                        1.0
+                    } else {
+                        share(settings.heuristic, light.pdf, joint.pdf, false)
+                    };
+                    radiance += walk.throughput
+                        * joint.value
+                        * light.radiance
+                        * (weight * free / light.pdf);
                 }
             }
         }
@@ -104,7 +128,11 @@ fn share(heuristic: Heuristic, own: Real, other: Real, first: bool) -> Real {
             }
         }
         Heuristic::Maximum => {
-            if ratio < 1.0 || (ratio == 1.0 && first) { 1.0 } else { 0.0 }
+            if ratio < 1.0 || (ratio == 1.0 && first) {
+                1.0
+            } else {
+                0.0
+            }
         }
     };
     if w.is_finite() { w } else { 0.0 }

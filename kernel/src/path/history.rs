@@ -30,7 +30,9 @@ impl<const N: usize> Default for History<N> {
 impl<const N: usize> History<N> {
     /// Empty.
     pub const fn new() -> Self {
-        Self { links: heapless::Deque::new() }
+        Self {
+            links: heapless::Deque::new(),
+        }
     }
 
     /// Forgets everything.

@@ -9,7 +9,6 @@ use crate::real::Real;
 use crate::shape::{Point, Ray, Tracer};
 use crate::spectrum::Spectrum;
 
-
 /// The most surfaces that a walk, or a connection, meets or passes. The only cut there is; reaching it
 /// is counted ([`Counters::cut_walks`]).
 pub const MAX_STEPS: u32 = 1 << 16;
@@ -83,7 +82,11 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
     /// With counters at zero.
     #[inline(always)]
     pub fn new(scene: &'t Scene<'a>, tracer: &'t T) -> Self {
-        Self { scene, tracer, counters: Counters::default() }
+        Self {
+            scene,
+            tracer,
+            counters: Counters::default(),
+        }
     }
 
     /// The first surface that stops `ray`.
@@ -104,7 +107,13 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
 
     /// [`Self::meet`] where there may be something to pass.
     #[inline(never)]
-    fn meet_past(&mut self, mut ray: Ray, mut point: Point, mut t: Real, sampler: &mut impl Sampler) -> Meeting {
+    fn meet_past(
+        &mut self,
+        mut ray: Ray,
+        mut point: Point,
+        mut t: Real,
+        sampler: &mut impl Sampler,
+    ) -> Meeting {
         let mut distance = 0.0;
         for _ in 0..MAX_STEPS {
             let opacity = self.opacity(&point, ray.direction);
@@ -120,7 +129,8 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
             };
             self.counters.closest_rays += 1;
             let next = self.tracer.closest(&ray);
-            let Some((hit, p)) = next.and_then(|h| Some((h, Point::at(self.scene, &ray, &h)?))) else {
+            let Some((hit, p)) = next.and_then(|h| Some((h, Point::at(self.scene, &ray, &h)?)))
+            else {
                 return Meeting::Escaped;
             };
             (point, t) = (p, hit.t);
@@ -185,7 +195,9 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
     #[inline(always)]
     fn is_null(&self, shape: &Shape, front: bool) -> bool {
         let id = if front { shape.front } else { shape.back };
-        self.scene.material(id).is_some_and(|m| m.kind == material::NULL)
+        self.scene
+            .material(id)
+            .is_some_and(|m| m.kind == material::NULL)
     }
 }
 

@@ -61,9 +61,9 @@ impl<S: Spectrum> Vertex<S> {
     #[inline(always)]
     pub fn new(scene: &Scene<'_>, point: Point, previous: Vec3, throughput: S) -> Self {
         let front = previous.dot(point.normal) >= 0.0;
-        let material = scene.shape(point.shape).and_then(|shape| {
-            scene.material(if front { shape.front } else { shape.back })
-        });
+        let material = scene
+            .shape(point.shape)
+            .and_then(|shape| scene.material(if front { shape.front } else { shape.back }));
         let surface = match material {
             Some(m) => Surface::resolve(m, scene.texture_view(), point.uv),
             None => Surface::BLACK,
@@ -83,7 +83,9 @@ impl<S: Spectrum> Vertex<S> {
     pub fn scatter(&self, mode: Mode, sampler: &mut impl Sampler) -> Option<Step<S>> {
         let w = self.frame.local(self.previous);
         let lobe = sampler.one(Purpose::Lobe);
-        let s = self.surface.sample(w, mode, lobe, sampler.two(Purpose::Direction))?;
+        let s = self
+            .surface
+            .sample(w, mode, lobe, sampler.two(Purpose::Direction))?;
         let direction = self.frame.world(s.wi);
         let correction = self.correction(w, s.wi, direction, mode)?;
         let weight = s.weight * correction;
@@ -123,7 +125,10 @@ impl<S: Spectrum> Vertex<S> {
     /// normal disagree on which side a direction is.
     #[inline(always)]
     fn correction(&self, w: Vec3, to: Vec3, direction: Vec3, mode: Mode) -> Option<Real> {
-        let (from_g, to_g) = (self.previous.dot(self.point.normal), direction.dot(self.point.normal));
+        let (from_g, to_g) = (
+            self.previous.dot(self.point.normal),
+            direction.dot(self.point.normal),
+        );
         if !(w.z * to.z * from_g * to_g > 0.0) {
             return None;
         }

@@ -64,7 +64,12 @@ impl<S: Spectrum> Walk<S> {
             parallel: start.parallel,
             cos: 1.0,
             // Nobody meets a pinhole or a lens: t = 0 doesn't exist.
-            terms: Terms { forward: 1.0, back: 0.0, a: 0.0, b: 0.0 },
+            terms: Terms {
+                forward: 1.0,
+                back: 0.0,
+                a: 0.0,
+                b: 0.0,
+            },
             pdf_reverse: 0.0,
             dirac: false,
             next_a: light_paths,
@@ -87,7 +92,9 @@ impl<S: Spectrum> Walk<S> {
             relative: S::WHITE,
             pdf: emission.direction_pdf,
             parallel: emission.distant,
-            cos: emission.normal.map_or(1.0, |n| n.dot(emission.direction).abs()),
+            cos: emission
+                .normal
+                .map_or(1.0, |n| n.dot(emission.direction).abs()),
             terms: emission_terms(emission),
             pdf_reverse: 0.0,
             dirac: false,
@@ -98,7 +105,12 @@ impl<S: Spectrum> Walk<S> {
 
     /// Goes to the next vertex.
     #[inline(always)]
-    pub fn arrive<T: Tracer>(&mut self, trace: &mut Trace<'_, '_, T>, sampler: &mut impl Sampler, mis: &Mis) -> Arrival<S> {
+    pub fn arrive<T: Tracer>(
+        &mut self,
+        trace: &mut Trace<'_, '_, T>,
+        sampler: &mut impl Sampler,
+        mis: &Mis,
+    ) -> Arrival<S> {
         self.announce(sampler);
         if self.edges > MAX_STEPS {
             trace.counters.cut_walks += 1;
@@ -106,13 +118,18 @@ impl<S: Spectrum> Walk<S> {
         }
         match trace.meet(self.ray, sampler) {
             Meeting::Surface(point, distance) => {
-                let mut vertex = Vertex::new(trace.scene, point, -self.ray.direction, self.throughput);
+                let mut vertex =
+                    Vertex::new(trace.scene, point, -self.ray.direction, self.throughput);
                 let cos = point.normal.dot(self.ray.direction).abs();
                 let inverse_square = 1.0 / square(distance);
                 let forward = self.pdf * cos * if self.parallel { 1.0 } else { inverse_square };
                 // From x_∞ on, its density is per solid angle: nothing to convert.
                 let at_infinity = self.parallel && self.edges == 1;
-                let back = if at_infinity { 1.0 } else { self.cos * inverse_square };
+                let back = if at_infinity {
+                    1.0
+                } else {
+                    self.cos * inverse_square
+                };
                 vertex.terms = self.extend(mis, forward, back);
                 Arrival::Vertex(vertex, distance)
             }
@@ -199,6 +216,11 @@ pub fn emission_terms<S>(emission: &Emission<S>) -> Terms {
 
 /// Sets `a` of x₁: strategy s = 1 has p_connect(x₀ | x₁) where the others have p_trace(x₀).
 #[inline(always)]
-pub fn connect_first<S: Spectrum, T: Tracer>(trace: &Trace<'_, '_, T>, emission: &Emission<S>, x1: Vec3, terms: &mut Terms) {
+pub fn connect_first<S: Spectrum, T: Tracer>(
+    trace: &Trace<'_, '_, T>,
+    emission: &Emission<S>,
+    x1: Vec3,
+    terms: &mut Terms,
+) {
     terms.a = emitter::connect_over_trace(trace.scene, emission, x1);
 }

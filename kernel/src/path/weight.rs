@@ -101,13 +101,24 @@ impl Mis {
     /// x^β.
     #[inline(always)]
     fn power(&self, x: Real) -> Real {
-        if matches!(self.heuristic, Heuristic::Power) { square(x) } else { x }
+        if matches!(self.heuristic, Heuristic::Power) {
+            square(x)
+        } else {
+            x
+        }
     }
 
     /// The terms of the vertex after one with terms `from`, reached with density `forward` by a step
     /// whose way back has density `pdf_reverse`.
     #[inline(always)]
-    pub fn extend(&self, from: &Terms, forward: Real, back: Real, pdf_reverse: Real, dirac: bool) -> Terms {
+    pub fn extend(
+        &self,
+        from: &Terms,
+        forward: Real,
+        back: Real,
+        pdf_reverse: Real,
+        dirac: bool,
+    ) -> Terms {
         let a = if dirac { 0.0 } else { self.power(from.a) };
         let b = self.power(back / from.forward) * (a + self.power(pdf_reverse) * from.b);
         Terms {
@@ -121,20 +132,36 @@ impl Mis {
     /// The weight of a junction. `x` and `y` are the terms of its ends; `light` and `sensor` the
     /// links of both walks, latest last, for the ratio walk.
     #[inline(always)]
-    pub fn weight<const N: usize>(&self, j: &Junction, x: &Terms, y: &Terms, light: &[Link], sensor: &History<N>) -> Real {
+    pub fn weight<const N: usize>(
+        &self,
+        j: &Junction,
+        x: &Terms,
+        y: &Terms,
+        light: &[Link],
+        sensor: &History<N>,
+    ) -> Real {
         let long = j.light_vertices + j.sensor_vertices > self.capacity + 1;
-        if long || self.explicit || matches!(self.heuristic, Heuristic::Cutoff | Heuristic::Maximum) {
+        if long || self.explicit || matches!(self.heuristic, Heuristic::Cutoff | Heuristic::Maximum)
+        {
             return self.ratio_walk(j, x, y, light, sensor);
         }
         let w_light = self.power(j.x_ratio) * (self.power(x.a) + self.power(j.x_reverse) * x.b);
-        let w_sensor = self.power(j.y_ratio) * (self.power(y.a) + self.power(j.y_later * j.y_reverse) * y.b);
+        let w_sensor =
+            self.power(j.y_ratio) * (self.power(y.a) + self.power(j.y_later * j.y_reverse) * y.b);
         // An overflow means that other strategies are infinitely better.
         1.0 / (1.0 + w_light + w_sensor)
     }
 
     /// Form (b): visits every other strategy with its q relative to this one's.
     #[inline(never)]
-    fn ratio_walk<const N: usize>(&self, j: &Junction, x: &Terms, y: &Terms, light: &[Link], sensor: &History<N>) -> Real {
+    fn ratio_walk<const N: usize>(
+        &self,
+        j: &Junction,
+        x: &Terms,
+        y: &Terms,
+        light: &[Link],
+        sensor: &History<N>,
+    ) -> Real {
         let visit = |f: &mut Others| {
             // Towards the light: the strategy with i light vertices joins the edge before x_i.
             let mut q = 1.0;
@@ -169,7 +196,13 @@ impl Mis {
         let weight = match self.heuristic {
             Heuristic::Balance => 1.0 / (1.0 + largest.sum),
             Heuristic::Power => 1.0 / (1.0 + largest.sum_of_squares),
-            Heuristic::Maximum => if largest.beaten { 0.0 } else { 1.0 },
+            Heuristic::Maximum => {
+                if largest.beaten {
+                    0.0
+                } else {
+                    1.0
+                }
+            }
             Heuristic::Cutoff => {
                 let bar = CUTOFF * if largest.max > 1.0 { largest.max } else { 1.0 };
                 if bar > 1.0 {
@@ -201,7 +234,14 @@ struct Others {
 
 impl Others {
     fn new(own: usize) -> Self {
-        Self { own, bar: 0.0, sum: 0.0, sum_of_squares: 0.0, max: 0.0, beaten: false }
+        Self {
+            own,
+            bar: 0.0,
+            sum: 0.0,
+            sum_of_squares: 0.0,
+            max: 0.0,
+            beaten: false,
+        }
     }
 
     #[inline(always)]

@@ -49,13 +49,18 @@ impl Footprint {
             (after(x - radius, size), after(x + radius, size))
         };
         let (x, y) = (bounds(0), bounds(1));
-        Self { first: [x.0, y.0], end: [x.1, y.1], raster }
+        Self {
+            first: [x.0, y.0],
+            end: [x.1, y.1],
+            raster,
+        }
     }
 
     /// Calls `f` with every covered pixel and its filter's density at the point.
     #[inline(always)]
     pub fn for_each(&self, s: &Sensor, mut f: impl FnMut([u32; 2], Real)) {
-        let distance = |axis: usize, i: u32| self.raster[axis] - ((s.crop_offset[axis] + i) as Real + 0.5);
+        let distance =
+            |axis: usize, i: u32| self.raster[axis] - ((s.crop_offset[axis] + i) as Real + 0.5);
         for y in self.first[1]..self.end[1].min(s.crop_size[1]) {
             let fy = density(s, distance(1, y));
             for x in self.first[0]..self.end[0].min(s.crop_size[0]) {
@@ -71,5 +76,9 @@ impl Footprint {
 /// The first integer in 0..=size above `x`; casts truncate and saturate.
 #[inline(always)]
 fn after(x: Real, size: u32) -> u32 {
-    if x < 0.0 { 0 } else { (x as u32).saturating_add(1).min(size) }
+    if x < 0.0 {
+        0
+    } else {
+        (x as u32).saturating_add(1).min(size)
+    }
 }

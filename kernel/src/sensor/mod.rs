@@ -102,7 +102,12 @@ impl Element {
     /// How a direction at infinity, `towards` it from the scene, appears; like [`Self::project`] with
     /// the density per solid angle.
     #[inline(always)]
-    pub fn project_distant(&self, scene: &Scene<'_>, towards: Vec3, lens: [Real; 2]) -> Option<(Projection, Vec3)> {
+    pub fn project_distant(
+        &self,
+        scene: &Scene<'_>,
+        towards: Vec3,
+        lens: [Real; 2],
+    ) -> Option<(Projection, Vec3)> {
         match *self {
             Element::Pixel(_) if scene.sensor().kind == kind::PERSPECTIVE => {
                 perspective::project_distant(scene.sensor(), towards, lens)

@@ -42,7 +42,8 @@ pub(super) fn project(s: &Sensor, x: Vec3) -> Option<Projection> {
         return None;
     }
     let coordinate = |axis: usize, along: Vec3| {
-        (d.dot(along) / (2.0 * Real::from(s.half_extent[axis])) + 0.5 - Real::from(s.principal[axis]))
+        (d.dot(along) / (2.0 * Real::from(s.half_extent[axis])) + 0.5
+            - Real::from(s.principal[axis]))
             * s.resolution[axis] as Real
     };
     Some(Projection {

@@ -41,7 +41,11 @@ pub(super) fn start(s: &Sensor, raster: [Real; 2], lens: [Real; 2]) -> Start {
     let pinhole = forward + vec3(s.right) * plane(0) + vec3(s.down) * plane(1);
     let lens = lens_point(s, lens);
     // All rays through the lens meet where the pinhole's ray meets the plane in focus.
-    let direction = if s.aperture == 0.0 { pinhole } else { pinhole - lens * (1.0 / Real::from(s.focus)) };
+    let direction = if s.aperture == 0.0 {
+        pinhole
+    } else {
+        pinhole - lens * (1.0 / Real::from(s.focus))
+    };
     let direction = direction * (1.0 / sqrt(direction.dot(direction)));
     let cos = direction.dot(forward);
     Start {
@@ -63,7 +67,8 @@ fn raster(s: &Sensor, d: Vec3, depth: Real, lens: Vec3) -> [Real; 2] {
     // Back along the ray to the plane in focus, and from there to the pinhole's image plane.
     let plane = d * (1.0 / depth) + lens * (1.0 / Real::from(s.focus));
     let coordinate = |axis: usize, along: Vec3| {
-        (plane.dot(along) / (2.0 * Real::from(s.half_extent[axis])) + 0.5 - Real::from(s.principal[axis]))
+        (plane.dot(along) / (2.0 * Real::from(s.half_extent[axis])) + 0.5
+            - Real::from(s.principal[axis]))
             * s.resolution[axis] as Real
     };
     [coordinate(0, vec3(s.right)), coordinate(1, vec3(s.down))]
@@ -93,7 +98,11 @@ pub(super) fn project(s: &Sensor, x: Vec3, lens: [Real; 2]) -> Option<Projection
 
 /// How a direction at infinity appears, and the point of the lens.
 #[inline(always)]
-pub(super) fn project_distant(s: &Sensor, towards: Vec3, lens: [Real; 2]) -> Option<(Projection, Vec3)> {
+pub(super) fn project_distant(
+    s: &Sensor,
+    towards: Vec3,
+    lens: [Real; 2],
+) -> Option<(Projection, Vec3)> {
     let lens = lens_point(s, lens);
     let cos = towards.dot(vec3(s.forward));
     // Beyond the far plane the sensor sees nothing, so neither infinity if that is finite… but files
@@ -106,6 +115,9 @@ pub(super) fn project_distant(s: &Sensor, towards: Vec3, lens: [Real; 2]) -> Opt
             scale: 1.0,
             raster: raster(s, towards, cos, lens),
         };
-        (projection, vec3(s.origin) + lens + towards * (Real::from(s.clip[0]) / cos))
+        (
+            projection,
+            vec3(s.origin) + lens + towards * (Real::from(s.clip[0]) / cos),
+        )
     })
 }

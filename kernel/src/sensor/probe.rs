@@ -51,7 +51,11 @@ pub(super) fn irradiance_project(position: Vec3, normal: Vec3, x: Vec3) -> Optio
 
 /// How a direction at infinity appears to the point.
 #[inline(always)]
-pub(super) fn irradiance_project_distant(position: Vec3, normal: Vec3, towards: Vec3) -> Option<(Projection, Vec3)> {
+pub(super) fn irradiance_project_distant(
+    position: Vec3,
+    normal: Vec3,
+    towards: Vec3,
+) -> Option<(Projection, Vec3)> {
     let cos = towards.dot(normal);
     (cos > 0.0).then(|| {
         let projection = Projection {

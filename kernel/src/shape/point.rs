@@ -89,7 +89,11 @@ impl Point {
         let radius = Real::from(sphere.radius);
         let outwards = unit_or_z(near - center);
         let local = outwards * radius;
-        let normal = if sphere.flipped != 0 { -outwards } else { outwards };
+        let normal = if sphere.flipped != 0 {
+            -outwards
+        } else {
+            outwards
+        };
         // Longitude and colatitude over the whole parameter square, as meshes of spheres have them.
         let uv = {
             use crate::real::{INV_PI, acos, atan2};
@@ -114,7 +118,11 @@ impl Point {
     /// (Wächter & Binder 2019; pbrt-v4 §6.8.6).
     #[inline(always)]
     pub fn leave(&self, direction: Vec3) -> Vec3 {
-        let side = if direction.dot(self.normal) < 0.0 { -self.offset } else { self.offset };
+        let side = if direction.dot(self.normal) < 0.0 {
+            -self.offset
+        } else {
+            self.offset
+        };
         self.position + self.normal * side
     }
 }

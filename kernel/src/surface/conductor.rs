@@ -19,7 +19,9 @@ impl<S: Spectrum> Local<S> for Conductor<S> {
     #[inline(always)]
     fn sample(&self, w: Vec3, _: Mode, _: Real, _: [Real; 2]) -> Option<Scatter<S>> {
         let cos = w.z.abs();
-        let r = self.eta.zip(self.k, |eta, k| fresnel::conductor(eta, k, cos));
+        let r = self
+            .eta
+            .zip(self.k, |eta, k| fresnel::conductor(eta, k, cos));
         Some(Scatter::dirac(reflect(w), self.reflectance * r, 1.0))
     }
 }

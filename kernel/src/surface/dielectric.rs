@@ -26,7 +26,11 @@ impl<S: Spectrum> Local<S> for Dielectric<S> {
         // Index of the far side over that of w's side.
         let eta = if w.z > 0.0 { self.ior } else { 1.0 / self.ior };
         let cos = w.z.abs();
-        let boundary = if self.schlick { fresnel::schlick(eta, cos) } else { fresnel::dielectric(eta, cos) };
+        let boundary = if self.schlick {
+            fresnel::schlick(eta, cos)
+        } else {
+            fresnel::dielectric(eta, cos)
+        };
         // Lobes by Fresnel's shares: the same from either side, so the way back has the same probability.
         if lobe < boundary.reflected {
             let p = boundary.reflected;

@@ -18,7 +18,10 @@ impl<S: Spectrum> Diffuse<S> {
     /// Probability of choosing reflection.
     #[inline(always)]
     fn reflect_probability(&self) -> Real {
-        let (r, t) = (self.reflectance.max_channel(), self.transmittance.max_channel());
+        let (r, t) = (
+            self.reflectance.max_channel(),
+            self.transmittance.max_channel(),
+        );
         if t == 0.0 { 1.0 } else { r / (r + t) }
     }
 }
@@ -26,7 +29,11 @@ impl<S: Spectrum> Diffuse<S> {
 impl<S: Spectrum> Local<S> for Diffuse<S> {
     #[inline(always)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> S {
-        let k = if wo.z * wi.z > 0.0 { self.reflectance } else { self.transmittance };
+        let k = if wo.z * wi.z > 0.0 {
+            self.reflectance
+        } else {
+            self.transmittance
+        };
         k * INV_PI
     }
 
@@ -44,9 +51,17 @@ impl<S: Spectrum> Local<S> for Diffuse<S> {
         }
         let p = self.reflect_probability();
         let transmitted = lobe >= p;
-        let (k, p) = if transmitted { (self.transmittance, 1.0 - p) } else { (self.reflectance, p) };
+        let (k, p) = if transmitted {
+            (self.transmittance, 1.0 - p)
+        } else {
+            (self.reflectance, p)
+        };
         let up = warp::cosine_hemisphere(xi);
-        let wi = if (w.z < 0.0) == transmitted { up } else { Vec3::new(up.x, up.y, -up.z) };
+        let wi = if (w.z < 0.0) == transmitted {
+            up
+        } else {
+            Vec3::new(up.x, up.y, -up.z)
+        };
         (up.z > 0.0).then(|| Scatter {
             wi,
             // k/π·cos/(p·cos/π).

@@ -25,12 +25,20 @@ pub fn dielectric(eta: Real, cos_i: Real) -> Dielectric {
     let excess = (eta - 1.0) * (eta + 1.0);
     let b_squared = excess + cos_i * cos_i;
     if b_squared <= 0.0 {
-        return Dielectric { reflected: 1.0, transmitted: 0.0, cos_t: 0.0 };
+        return Dielectric {
+            reflected: 1.0,
+            transmitted: 0.0,
+            cos_t: 0.0,
+        };
     }
     let b = sqrt(b_squared);
     let cos_t = b / eta;
     let s = part(cos_i, b, -excess);
-    let p = part(eta * cos_i, cos_t, excess * (1.0 - sin_squared * (1.0 + 1.0 / square(eta))));
+    let p = part(
+        eta * cos_i,
+        cos_t,
+        excess * (1.0 - sin_squared * (1.0 + 1.0 / square(eta))),
+    );
     Dielectric {
         reflected: 0.5 * (s.0 + p.0),
         transmitted: 0.5 * (s.1 + p.1),
@@ -84,7 +92,15 @@ pub fn conductor(eta: Real, k: Real, cos_i: Real) -> Real {
     let s = (t1 - t2) / (t1 + t2);
     let t3 = cos_squared * a_b + square(sin_squared);
     let t4 = t2 * sin_squared;
-    let p = if t3 + t4 > 0.0 { s * (t3 - t4) / (t3 + t4) } else { s };
+    let p = if t3 + t4 > 0.0 {
+        s * (t3 - t4) / (t3 + t4)
+    } else {
+        s
+    };
     let r = 0.5 * (s + p);
-    if r < 1.0 { if r > 0.0 { r } else { 0.0 } } else { 1.0 }
+    if r < 1.0 {
+        if r > 0.0 { r } else { 0.0 }
+    } else {
+        1.0
+    }
 }

@@ -138,7 +138,10 @@ macro_rules! each {
 
 impl<S: Spectrum> Surface<S> {
     /// A surface that swallows all light.
-    pub const BLACK: Self = Self::Diffuse(Diffuse { reflectance: S::BLACK, transmittance: S::BLACK });
+    pub const BLACK: Self = Self::Diffuse(Diffuse {
+        reflectance: S::BLACK,
+        transmittance: S::BLACK,
+    });
 
     /// The model of a blob's material at (u, v).
     #[inline(always)]
@@ -147,13 +150,20 @@ impl<S: Spectrum> Surface<S> {
         let color = |role: usize| {
             let constant = S::from_rgb(m.color.get(role).copied().unwrap_or([0.0; 3]));
             match m.texture.get(role) {
-                Some(&id) if id != crate::blob::format::NONE => constant * textures.color::<S>(id, uv),
+                Some(&id) if id != crate::blob::format::NONE => {
+                    constant * textures.color::<S>(id, uv)
+                }
                 _ => constant,
             }
         };
         match m.kind {
-            material::DIFFUSE => Self::Diffuse(Diffuse { reflectance: color(0), transmittance: color(1) }),
-            material::MIRROR => Self::Mirror(Mirror { reflectance: color(0) }),
+            material::DIFFUSE => Self::Diffuse(Diffuse {
+                reflectance: color(0),
+                transmittance: color(1),
+            }),
+            material::MIRROR => Self::Mirror(Mirror {
+                reflectance: color(0),
+            }),
             material::CONDUCTOR => Self::Conductor(Conductor {
                 eta: S::from_rgb(m.eta),
                 k: S::from_rgb(m.k),
@@ -169,7 +179,10 @@ impl<S: Spectrum> Surface<S> {
             _ => Self::Sheet(Sheet {
                 specular_reflectance: color(0),
                 specular_transmittance: color(1),
-                diffuse: Diffuse { reflectance: color(2), transmittance: color(3) },
+                diffuse: Diffuse {
+                    reflectance: color(2),
+                    transmittance: color(3),
+                },
             }),
         }
     }

@@ -12,6 +12,9 @@ pub struct Null;
 impl<S: Spectrum> Local<S> for Null {
     #[inline(always)]
     fn sample(&self, w: Vec3, _: Mode, _: Real, _: [Real; 2]) -> Option<Scatter<S>> {
-        Some(Scatter { transmitted: true, ..Scatter::dirac(-w, S::WHITE, 1.0) })
+        Some(Scatter {
+            transmitted: true,
+            ..Scatter::dirac(-w, S::WHITE, 1.0)
+        })
     }
 }

@@ -24,7 +24,11 @@ impl<S: Spectrum> Sheet<S> {
         let t = self.specular_transmittance.max_channel();
         let d = self.diffuse.reflectance.max_channel() + self.diffuse.transmittance.max_channel();
         let sum = r + t + d;
-        if sum > 0.0 { (r / sum, t / sum) } else { (0.0, 0.0) }
+        if sum > 0.0 {
+            (r / sum, t / sum)
+        } else {
+            (0.0, 0.0)
+        }
     }
 }
 
@@ -37,18 +41,29 @@ impl<S: Spectrum> Local<S> for Sheet<S> {
     #[inline(always)]
     fn pdf(&self, w: Vec3, wi: Vec3, mode: Mode) -> Real {
         let (r, t) = self.probabilities();
-        if self.diffuse.has_smooth() { (1.0 - r - t) * self.diffuse.pdf(w, wi, mode) } else { 0.0 }
+        if self.diffuse.has_smooth() {
+            (1.0 - r - t) * self.diffuse.pdf(w, wi, mode)
+        } else {
+            0.0
+        }
     }
 
     #[inline(always)]
     fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>> {
         let (r, t) = self.probabilities();
         if lobe < r {
-            return Some(Scatter::dirac(reflect(w), self.specular_reflectance * (1.0 / r), r));
+            return Some(Scatter::dirac(
+                reflect(w),
+                self.specular_reflectance * (1.0 / r),
+                r,
+            ));
         }
         if lobe < r + t {
             let straight = Scatter::dirac(-w, self.specular_transmittance * (1.0 / t), t);
-            return Some(Scatter { transmitted: true, ..straight });
+            return Some(Scatter {
+                transmitted: true,
+                ..straight
+            });
         }
         let p = 1.0 - r - t;
         if !(p > 0.0) {

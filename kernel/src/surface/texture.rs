@@ -29,14 +29,18 @@ impl TextureView<'_> {
     /// The first channel of texture `id`, as an opacity.
     #[inline(always)]
     pub fn opacity(&self, id: u32, uv: [Real; 2]) -> Real {
-        self.textures.get(id as usize).map_or(1.0, |t| Real::from(self.look(t, uv)[0]))
+        self.textures
+            .get(id as usize)
+            .map_or(1.0, |t| Real::from(self.look(t, uv)[0]))
     }
 
     /// Textures are f32 in every precision, as the blob is.
     #[inline(never)]
     #[allow(clippy::unnecessary_cast)] // not unnecessary in the double-precision package
     fn look(&self, t: &Texture, uv: [Real; 2]) -> [f32; 3] {
-        let [u, v] = t.to_uv.map(|[a, b, c]| finite(a * uv[0] as f32 + b * uv[1] as f32 + c));
+        let [u, v] = t
+            .to_uv
+            .map(|[a, b, c]| finite(a * uv[0] as f32 + b * uv[1] as f32 + c));
         if t.kind == texture::CHECKERBOARD {
             let odd = |x: f32| floor(x) as i64 & 1;
             return t.color[if odd(u) == odd(v) { 0 } else { 1 }];
@@ -70,7 +74,10 @@ impl TextureView<'_> {
                 _ => [0.0; 3],
             }
         } else {
-            let [r, g, b, a] = self.texels.get(at + index).map_or([0; 4], |w| w.to_le_bytes());
+            let [r, g, b, a] = self
+                .texels
+                .get(at + index)
+                .map_or([0; 4], |w| w.to_le_bytes());
             if t.flags & texture::ALPHA != 0 {
                 [f32::from(a) / 255.0; 3]
             } else if t.kind == texture::SRGB8 {
@@ -79,14 +86,22 @@ impl TextureView<'_> {
                 [r, g, b].map(|c| f32::from(c) / 255.0)
             }
         };
-        [color[0] * t.color[0][0], color[1] * t.color[0][1], color[2] * t.color[0][2]]
+        [
+            color[0] * t.color[0][0],
+            color[1] * t.color[0][1],
+            color[2] * t.color[0][2],
+        ]
     }
 }
 
 /// Within ±2²² texels' worth of coordinates, where single precision still tells neighbours apart; 0 for NaN.
 #[inline(always)]
 fn finite(x: f32) -> f32 {
-    if x.is_nan() { 0.0 } else { x.clamp(-65536.0, 65536.0) }
+    if x.is_nan() {
+        0.0
+    } else {
+        x.clamp(-65536.0, 65536.0)
+    }
 }
 
 /// ⌊x⌋ for |x| < 2³¹.
