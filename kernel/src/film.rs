@@ -128,6 +128,7 @@ fn decompose(x: Real) -> (u64, i32) {
 }
 
 #[cfg(test)]
+#[allow(clippy::useless_conversion)] // Real is f32 or f64
 mod tests {
     use super::{Refused, Step, Sum, decompose, merge};
     use crate::real::Real;

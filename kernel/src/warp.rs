@@ -157,7 +157,7 @@ impl Gaussian {
     /// pieces of at most 1/32 of the radius.
     #[inline]
     fn integral(&self, from: Real, to: Real) -> Real {
-        const NODE: Real = 0.774_596_669_241_483_4;
+        const NODE: Real = 0.774_596_7;
         let count = ((to - from) / self.radius * PIECES) as u32 + 1;
         let h = (to - from) / count as Real;
         let step = 0.5 * h * NODE;

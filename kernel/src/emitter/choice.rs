@@ -16,7 +16,7 @@ fn entry(count: usize, xi: [Real; 2]) -> (usize, Real) {
 
 /// Which emitting primitive; `None` if there are none.
 #[inline(always)]
-pub fn pick_choice<'a>(choices: &'a [Choice], xi: [Real; 2]) -> Option<&'a Choice> {
+pub fn pick_choice(choices: &[Choice], xi: [Real; 2]) -> Option<&Choice> {
     let (index, fraction) = entry(choices.len(), xi);
     let first = choices.get(index)?;
     if fraction < Real::from(first.keep) {

@@ -342,7 +342,7 @@ fn connect<S: Spectrum, T: Tracer, const N: usize>(
         t_min: 0.0,
         t_max: length,
     });
-    if !(free > 0.0) {
+    if free <= 0.0 {
         return S::BLACK;
     }
     let inverse_square = 1.0 / squared;

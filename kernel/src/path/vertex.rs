@@ -129,7 +129,8 @@ impl<S: Spectrum> Vertex<S> {
             self.previous.dot(self.point.normal),
             direction.dot(self.point.normal),
         );
-        if !(w.z * to.z * from_g * to_g > 0.0) {
+        let agree = w.z * to.z * from_g * to_g;
+        if agree.is_nan() || agree <= 0.0 {
             return None;
         }
         match mode {

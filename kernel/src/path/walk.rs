@@ -42,6 +42,7 @@ pub struct Walk<S> {
 
 /// Where a walk arrived.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant)] // inlined where it is made: it never moves
 pub enum Arrival<S> {
     /// At a surface; the distance.
     Vertex(Vertex<S>, Real),

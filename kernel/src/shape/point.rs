@@ -3,7 +3,8 @@
 
 use super::ray::{Hit, Ray};
 use crate::blob::Scene;
-use crate::real::{Real, Vec3, gamma, safe_sqrt, vec3};
+use crate::blob::format::needs;
+use crate::real::{INV_PI, Real, Vec3, acos, atan2, gamma, safe_sqrt, vec3};
 
 /// A point on a surface of the scene.
 #[derive(Clone, Copy, Debug)]
@@ -94,14 +95,10 @@ impl Point {
         } else {
             outwards
         };
-        // Longitude and colatitude over the whole parameter square, as meshes of spheres have them.
-        let uv = {
-            use crate::real::{INV_PI, acos, atan2};
-            let phi = atan2(outwards.y, outwards.x) * (0.5 * INV_PI);
-            [
-                if phi < 0.0 { phi + 1.0 } else { phi },
-                acos(outwards.z.clamp(-1.0, 1.0)) * INV_PI,
-            ]
+        let uv = if scene.has(needs::TEXTURES) {
+            longitude_colatitude(outwards)
+        } else {
+            [0.0, 0.0]
         };
         Some(Self {
             position: center + local,
@@ -136,6 +133,16 @@ impl Point {
 fn triangle_offset(position: Vec3, corners: [Vec3; 3]) -> Real {
     let [r0, r1, r2] = corners.map(|c| (c - position).abs());
     gamma(4) * r0.max(r1).max(r2).max_element() + gamma(8) * position.abs().max_element()
+}
+
+/// Over the whole parameter square, as meshes of spheres have them.
+#[inline(never)]
+fn longitude_colatitude(outwards: Vec3) -> [Real; 2] {
+    let phi = atan2(outwards.y, outwards.x) * (0.5 * INV_PI);
+    [
+        if phi < 0.0 { phi + 1.0 } else { phi },
+        acos(outwards.z.clamp(-1.0, 1.0)) * INV_PI,
+    ]
 }
 
 /// The unit geometric normal (v₁−v₀)×(v₂−v₀); any unit vector for a degenerate triangle (which no ray meets).

@@ -66,7 +66,7 @@ impl<S: Spectrum> Local<S> for Sheet<S> {
             });
         }
         let p = 1.0 - r - t;
-        if !(p > 0.0) {
+        if p <= 0.0 {
             return None;
         }
         // What is left of ξ is a fresh number.
