@@ -30,12 +30,17 @@ fn main() {
         Ok(folder) => folder.into(),
         Err(_) => Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes"),
     };
-    println!("scene                        estimator       µs/sample  rays/sample  n·relMSE  efficiency");
+    println!(
+        "scene                        estimator       µs/sample  rays/sample  n·relMSE  efficiency"
+    );
     for (name, noise, passes) in SCENES {
         for estimator in [Estimator::Path, Estimator::Bidirectional] {
             let find = |suffix: &str| {
                 let places = [folder.clone(), folder.join("own"), folder.join("smallvcm")];
-                places.into_iter().map(|p| p.join(suffix.replace('@', name))).find(|p| p.exists())
+                places
+                    .into_iter()
+                    .map(|p| p.join(suffix.replace('@', name)))
+                    .find(|p| p.exists())
             };
             let (Some(file), Some(reference)) = (find("@.xml"), find("ref/@.exr")) else {
                 println!("{name:<28} not found in {}", folder.display());
@@ -46,21 +51,35 @@ fn main() {
     }
 }
 
-fn measure(name: &str, file: &Path, reference: &Path, noise: f64, passes: u64, estimator: Estimator) {
+fn measure(
+    name: &str,
+    file: &Path,
+    reference: &Path,
+    noise: f64,
+    passes: u64,
+    estimator: Estimator,
+) {
     let reference = read(reference).unwrap_or_else(|e| panic!("{e}"));
     let prepared = prepare(file, &[], Size::default()).unwrap_or_else(|e| panic!("{e}"));
     let scene = Scene::open(prepared.blob.bytes()).unwrap_or_else(|e| panic!("{e}"));
     let mut rows: Vec<[f64; 3]> = (0..5)
         .map(|seed| {
             let options = Options {
-                settings: Settings { estimator, seed, max_edges: prepared.advice.max_depth, ..Settings::default() },
+                settings: Settings {
+                    estimator,
+                    seed,
+                    max_edges: prepared.advice.max_depth,
+                    ..Settings::default()
+                },
                 budget: Budget::Passes(passes),
                 threads: 1,
             };
-            let r = render(&scene, &options, &AtomicBool::new(false), &|_| ()).unwrap_or_else(|e| panic!("{e}"));
+            let r = render(&scene, &options, &AtomicBool::new(false), &|_| ())
+                .unwrap_or_else(|e| panic!("{e}"));
             let samples = (passes * r.image.len() as u64) as f64;
             let rays = (r.counters.closest_rays + r.counters.shadow_rays) as f64;
-            let error = (relative_mse(&r.image, r.size, &reference) - noise).max(0.0) * passes as f64;
+            let error =
+                (relative_mse(&r.image, r.size, &reference) - noise).max(0.0) * passes as f64;
             [r.seconds / samples, rays / samples, error]
         })
         .collect();
@@ -71,15 +90,31 @@ fn measure(name: &str, file: &Path, reference: &Path, noise: f64, passes: u64, e
     let (seconds, rays, error) = (median(0), median(1), median(2));
     let [w, h] = scene.size();
     let efficiency = 1.0 / (error * seconds * f64::from(w * h));
-    println!("{name:<28} {estimator:<14?} {:>10.3} {rays:>12.2} {error:>9.3} {efficiency:>11.2}", seconds * 1e6);
+    println!(
+        "{name:<28} {estimator:<14?} {:>10.3} {rays:>12.2} {error:>9.3} {efficiency:>11.2}",
+        seconds * 1e6
+    );
 }
 
 /// relMSE.
-fn relative_mse(image: &[[f32; 3]], size: [u32; 2], reference: &etendue_host::develop::Linear) -> f64 {
+fn relative_mse(
+    image: &[[f32; 3]],
+    size: [u32; 2],
+    reference: &etendue_host::develop::Linear,
+) -> f64 {
     assert_eq!(size, reference.size, "the reference has another size");
     let n = (3 * reference.pixels.len()) as f64;
-    let mean = reference.pixels.as_flattened().iter().map(|&x| f64::from(x)).sum::<f64>() / n;
-    let pairs = image.as_flattened().iter().zip(reference.pixels.as_flattened());
+    let mean = reference
+        .pixels
+        .as_flattened()
+        .iter()
+        .map(|&x| f64::from(x))
+        .sum::<f64>()
+        / n;
+    let pairs = image
+        .as_flattened()
+        .iter()
+        .zip(reference.pixels.as_flattened());
     pairs
         .map(|(&a, &b)| (f64::from(a), f64::from(b)))
         .map(|(a, b)| (a - b) * (a - b) / (b * b + 0.01 * mean * mean))

@@ -207,7 +207,7 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
 #[inline(always)]
 pub fn roulette<S: Spectrum>(relative: S) -> Real {
     /// Below this share of the beginning a walk has to win its way.
-    const THRESHOLD: Real = 0.25;
+    const THRESHOLD: Real = 0.5;
     let q = relative.max_channel() * (1.0 / THRESHOLD);
     if q < 1.0 { q } else { 1.0 }
 }
