@@ -60,7 +60,7 @@ impl<S: Spectrum> Vertex<S> {
     /// The vertex at `point`, reached from direction `previous`; its weight terms are zero.
     #[inline(always)]
     pub fn new(scene: &Scene<'_>, point: Point, previous: Vec3, throughput: S) -> Self {
-        let front = previous.dot(point.normal) >= 0.0;
+        let front = previous.dot(point.shading) >= 0.0;
         let material = scene
             .shape(point.shape)
             .and_then(|shape| scene.material(if front { shape.front } else { shape.back }));
@@ -121,22 +121,21 @@ impl<S: Spectrum> Vertex<S> {
     }
 
     /// f̂|ω·n_g| over f|ω·n_s| for the direction ω that the walk goes to: 1 on walks from the sensor, Veach's
-    /// |ω_i·n_s||ω_o·n_g|/(|ω_i·n_g||ω_o·n_s|) on walks from the light. `None` where shading and geometric
-    /// normal disagree on which side a direction is.
+    /// |ω_i·n_s||ω_o·n_g|/(|ω_i·n_g||ω_o·n_s|) on walks from the light.
+    ///
+    /// The shading normal alone says what is reflection and what transmission (as in Mitsuba 3 and pbrt-v4): asking
+    /// the geometric one as well would draw black seams where interpolated normals turn away from the viewer.
     #[inline(always)]
     fn correction(&self, w: Vec3, to: Vec3, direction: Vec3, mode: Mode) -> Option<Real> {
-        let (from_g, to_g) = (
-            self.previous.dot(self.point.normal),
-            direction.dot(self.point.normal),
-        );
-        let agree = w.z * to.z * from_g * to_g;
-        if agree.is_nan() || agree <= 0.0 {
-            return None;
-        }
         match mode {
             Mode::Radiance => Some(1.0),
             Mode::Importance if self.point.shading == self.point.normal => Some(1.0),
-            Mode::Importance => Some((w.z * to_g / (from_g * to.z)).abs()),
+            Mode::Importance => {
+                let from_g = self.previous.dot(self.point.normal);
+                let to_g = direction.dot(self.point.normal);
+                let factor = (w.z * to_g / (from_g * to.z)).abs();
+                factor.is_finite().then_some(factor)
+            }
         }
     }
 }
