@@ -7,7 +7,7 @@ use super::{Emission, Incident};
 use crate::blob::Scene;
 use crate::blob::format::{Emitter, NONE, Sphere};
 use crate::real::{Frame, INV_PI, PI, Real, Vec3, safe_sqrt, sqrt, square, vec3};
-use crate::shape::Point;
+use crate::shape::{Point, sphere_offset, triangle_normal, triangle_offset};
 use crate::spectrum::Spectrum;
 use crate::warp;
 
@@ -81,7 +81,7 @@ pub(super) fn incident<S: Spectrum>(
         let jacobian = cos_light / square(distance);
         return (cos_light > 0.0).then(|| Incident {
             direction,
-            distance,
+            distance: free_distance(distance, sphere_offset(sphere), cos_light),
             radiance: S::from_rgb(e.radiance),
             pdf,
             dirac: false,
@@ -89,7 +89,7 @@ pub(super) fn incident<S: Spectrum>(
             emission: INV_PI * jacobian,
         });
     }
-    let (position, normal) = position(scene, primitive, xi)?;
+    let (position, normal, offset) = position(scene, primitive, xi)?;
     let to_light = position - y;
     let squared = to_light.length_squared();
     if squared <= 0.0 {
@@ -100,7 +100,7 @@ pub(super) fn incident<S: Spectrum>(
     let cos_light = -direction.dot(normal);
     (cos_light > 0.0).then(|| Incident {
         direction,
-        distance,
+        distance: free_distance(distance, offset, cos_light),
         radiance: S::from_rgb(e.radiance),
         pdf: density * squared / cos_light,
         dirac: false,
@@ -151,20 +151,28 @@ pub(super) fn emission<S: Spectrum>(
     })
 }
 
-/// A uniform point of `primitive` and the normal there.
+/// How much of the way to a light must be free: up to where it is `offset` above the light's surface, so
+/// that rounding of the light's own position can't put it into its own shadow.
 #[inline(always)]
-fn position(scene: &Scene<'_>, primitive: u32, xi: [Real; 2]) -> Option<(Vec3, Vec3)> {
+fn free_distance(distance: Real, offset: Real, cos_light: Real) -> Real {
+    let free = distance - offset / cos_light;
+    if free > 0.0 { free } else { 0.0 }
+}
+
+/// A uniform point of `primitive`, the normal there, and how far off it rays are off the surface.
+#[inline(always)]
+fn position(scene: &Scene<'_>, primitive: u32, xi: [Real; 2]) -> Option<(Vec3, Vec3, Real)> {
     if let Some(s) = scene.sphere(primitive) {
         let outwards = warp::sphere(xi);
         let normal = if s.flipped != 0 { -outwards } else { outwards };
-        return Some((vec3(s.center) + outwards * Real::from(s.radius), normal));
+        let position = vec3(s.center) + outwards * Real::from(s.radius);
+        return Some((position, normal, sphere_offset(s)));
     }
     let [p0, p1, p2] = scene.corners(primitive)?;
     let [u, v] = warp::triangle(xi);
-    Some((
-        p0 * (1.0 - u - v) + p1 * u + p2 * v,
-        crate::shape::triangle_normal(p0, p1, p2),
-    ))
+    let position = p0 * (1.0 - u - v) + p1 * u + p2 * v;
+    let offset = triangle_offset(position, [p0, p1, p2]);
+    Some((position, triangle_normal(p0, p1, p2), offset))
 }
 
 #[inline(always)]

@@ -3,7 +3,7 @@
 
 use super::ray::{Hit, Ray};
 use crate::blob::Scene;
-use crate::blob::format::needs;
+use crate::blob::format::{Sphere, needs};
 use crate::real::{INV_PI, Real, Vec3, acos, atan2, gamma, safe_sqrt, vec3};
 
 /// A point on a surface of the scene.
@@ -105,7 +105,7 @@ impl Point {
             normal,
             shading: normal,
             uv,
-            offset: gamma(8) * (radius + center.abs().max_element()),
+            offset: sphere_offset(sphere),
             shape: sphere.shape,
             primitive,
         })
@@ -130,9 +130,15 @@ impl Point {
 /// edge functions have an error of a few roundings of the triangle's extent squared, which shifts the
 /// hit in its plane, and so along a slanting ray, by as many roundings of the extent (Woop 2013, §3.3).
 #[inline(always)]
-fn triangle_offset(position: Vec3, corners: [Vec3; 3]) -> Real {
+pub fn triangle_offset(position: Vec3, corners: [Vec3; 3]) -> Real {
     let [r0, r1, r2] = corners.map(|c| (c - position).abs());
     gamma(4) * r0.max(r1).max(r2).max_element() + gamma(8) * position.abs().max_element()
+}
+
+/// How far off a sphere a ray must start that doesn't meet it again.
+#[inline(always)]
+pub fn sphere_offset(sphere: &Sphere) -> Real {
+    gamma(8) * (Real::from(sphere.radius) + vec3(sphere.center).abs().max_element())
 }
 
 /// Over the whole parameter square, as meshes of spheres have them.

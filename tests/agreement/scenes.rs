@@ -1,0 +1,340 @@
+//! The scenes that estimators have to agree on.
+
+use super::Complete::{self, FromLight, FromSensor};
+use etendue_host::description::{
+    ColorSource, Description, EmitterKind, Filter, Geometry, Mesh, Model, Projection,
+};
+use etendue_tests::scenes::{Builder, V, room};
+
+type Named = (&'static str, Description, Complete);
+
+/// The room with a white box and a white ball.
+pub fn plain() -> Description {
+    transformed(1.0, [0.0; 3])
+}
+
+/// The same elsewhere.
+pub fn transformed(k: f32, by: V) -> Description {
+    let b = room(|b| {
+        let white = Some(b.diffuse([0.8; 3]));
+        b.cuboid([-0.6, 0.0, 0.0], [-0.1, 0.5, 0.9], false, white);
+        b.sphere([0.45, -0.1, 0.3], 0.3, white);
+    });
+    b.transformed(k, by).description
+}
+
+/// A mesh of a sphere with smooth normals.
+fn ball(center: V, radius: f32, rings: u32) -> Mesh {
+    let sectors = 2 * rings;
+    let mut mesh = Mesh::default();
+    let mut normals = Vec::new();
+    for i in 0..=rings {
+        let theta = std::f32::consts::PI * i as f32 / rings as f32;
+        for j in 0..sectors {
+            let phi = 2.0 * std::f32::consts::PI * j as f32 / sectors as f32;
+            let n = [
+                theta.sin() * phi.cos(),
+                theta.sin() * phi.sin(),
+                theta.cos(),
+            ];
+            normals.push(n);
+            mesh.positions
+                .push(std::array::from_fn(|a| center[a] + radius * n[a]));
+        }
+    }
+    for i in 0..rings {
+        for j in 0..sectors {
+            let at = |i: u32, j: u32| i * sectors + j % sectors;
+            mesh.triangles
+                .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            mesh.triangles
+                .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    mesh.normals = Some(normals);
+    mesh
+}
+
+/// An exact diffuse ball, and one of 20,000 triangles.
+pub fn sphere_and_mesh() -> (Description, Description) {
+    let with = |geometry: fn() -> Geometry| {
+        room(|b| {
+            let white = Some(b.diffuse([0.8; 3]));
+            b.shape(geometry(), white);
+        })
+        .description
+    };
+    (
+        with(|| Geometry::Sphere {
+            center: [0.0, 0.0, 0.6],
+            radius: 0.5,
+            flipped: false,
+        }),
+        with(|| Geometry::Mesh(ball([0.0, 0.0, 0.6], 0.5, 72))),
+    )
+}
+
+/// Mirrors, glass, sheets, masks, null boundaries, smooth normals, two-sided things.
+pub fn objects() -> Vec<Named> {
+    let constant = |c: f32| ColorSource::Constant([c; 3]);
+    let mut all: Vec<Named> = Vec::new();
+    all.push(("plain", plain(), FromLight));
+    let b = room(|b| {
+        let white = Some(b.diffuse([0.8; 3]));
+        b.shape(Geometry::Mesh(ball([-0.4, 0.1, 0.45], 0.4, 5)), white);
+        b.shape(Geometry::Mesh(ball([0.5, -0.2, 0.3], 0.25, 4)), white);
+    });
+    all.push(("coarse balls with smooth normals", b.description, FromLight));
+    let b = room(|b| {
+        let thin = b.material(Model::Diffuse {
+            reflectance: constant(0.3),
+            transmittance: constant(0.6),
+        });
+        b.quad(
+            [-0.9, 0.0, 0.9],
+            [1.0, 0.0, 0.0],
+            [0.0, 0.4, 0.5],
+            Some(thin),
+        );
+        let (red, blue) = (b.diffuse([0.8, 0.2, 0.2]), b.diffuse([0.2, 0.2, 0.8]));
+        let card = b.quad(
+            [0.2, -0.2, 0.4],
+            [0.6, 0.3, 0.0],
+            [0.0, 0.0, 0.8],
+            Some(red),
+        );
+        card.back = Some(blue);
+        let one_sided = b.quad(
+            [-0.5, -0.5, 0.1],
+            [0.4, 0.0, 0.3],
+            [0.0, 0.4, 0.0],
+            Some(red),
+        );
+        one_sided.back = None;
+    });
+    all.push((
+        "translucent, two-sided and one-sided cards",
+        b.description,
+        FromLight,
+    ));
+    let b = room(|b| {
+        let white = Some(b.diffuse([0.8; 3]));
+        b.quad([-0.8, -0.3, 1.2], [1.6, 0.0, 0.0], [0.0, 0.6, 0.0], white)
+            .opacity = Some(constant(0.4));
+        b.sphere([0.3, 0.0, 0.4], 0.3, white).opacity = Some(constant(0.7));
+        let null = b.material(Model::Null);
+        b.cuboid([-0.9, -0.9, 0.05], [0.9, 0.9, 1.5], false, Some(null));
+    });
+    all.push(("masks within a null boundary", b.description, FromLight));
+    let b = room(|b| {
+        let glass = Some(b.glass(1.5));
+        let mirror = Some(b.mirror(0.9));
+        let white = Some(b.diffuse([0.8; 3]));
+        b.sphere([0.45, 0.1, 0.35], 0.3, glass);
+        b.quad([-0.95, 0.2, 0.1], [0.7, 0.6, 0.0], [0.0, 0.0, 1.2], mirror);
+        b.cuboid([-0.5, -0.5, 0.0], [-0.2, -0.2, 0.3], false, white);
+        // A lamp large enough for a path tracer's caustics.
+        b.quad([-0.9, -0.9, 1.9], [0.0, 1.8, 0.0], [1.8, 0.0, 0.0], white)
+            .emission = Some([1.0; 3]);
+    });
+    all.push(("glass ball and mirror", b.description, FromSensor));
+    let b = room(|b| {
+        let sheet = b.material(Model::Sheet {
+            specular_reflectance: ColorSource::Constant([0.1, 0.1, 0.2]),
+            specular_transmittance: ColorSource::Constant([0.5, 0.3, 0.1]),
+            diffuse_reflectance: constant(0.2),
+            diffuse_transmittance: ColorSource::Constant([0.1, 0.2, 0.3]),
+        });
+        let gold = b.material(Model::Conductor {
+            eta: [0.14, 0.37, 1.44],
+            k: [3.98, 2.39, 1.6],
+            reflectance: constant(1.0),
+        });
+        b.quad(
+            [-0.9, -0.4, 1.0],
+            [1.8, 0.0, 0.0],
+            [0.0, 1.0, 0.2],
+            Some(sheet),
+        );
+        b.cuboid([0.2, 0.1, 0.0], [0.7, 0.6, 0.5], false, Some(gold));
+        b.quad([-0.9, -0.9, 1.9], [0.0, 1.8, 0.0], [1.8, 0.0, 0.0], None)
+            .emission = Some([1.0; 3]);
+    });
+    all.push(("coloured sheet and gold", b.description, FromSensor));
+    all
+}
+
+/// Every kind of light.
+pub fn lights() -> Vec<Named> {
+    let open = |light: &dyn Fn(&mut Builder)| {
+        let mut b = Builder::new().camera(
+            [0.0, -3.0, 1.6],
+            [0.0, 0.0, 0.3],
+            [0.0, 0.0, 1.0],
+            40.0,
+            [16, 16],
+        );
+        let grey = Some(b.diffuse([0.5, 0.6, 0.7]));
+        b.quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], grey);
+        b.cuboid([-0.5, -0.2, 0.0], [0.0, 0.3, 0.6], false, grey);
+        b.sphere([0.4, 0.0, 0.3], 0.25, grey);
+        light(&mut b);
+        b.description
+    };
+    let sky = |i: u32| {
+        let (x, y) = (i % 16, i / 16);
+        let sun = if (x, y) == (5, 2) { 40.0 } else { 0.0 };
+        [
+            0.4 + 0.02 * x as f32 + sun,
+            0.5 + sun,
+            0.9 - 0.05 * y as f32 + sun,
+        ]
+    };
+    // Up is z: the image's y is the world's z.
+    let to_local = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
+    let lit = |kind: EmitterKind| open(&move |b| b.light(kind.clone()));
+    vec![
+        (
+            "point",
+            lit(EmitterKind::Point {
+                position: [0.7, -0.8, 1.5],
+                intensity: [2.0, 1.0, 0.5],
+            }),
+            FromLight,
+        ),
+        (
+            "spot",
+            lit(EmitterKind::Spot {
+                position: [0.5, -1.0, 1.8],
+                direction: [-0.243, 0.485, -0.84],
+                intensity: [4.0; 3],
+                cutoff: 0.7,
+                beam_width: 0.4,
+            }),
+            FromLight,
+        ),
+        (
+            "directional",
+            lit(EmitterKind::Directional {
+                direction: [0.48, 0.36, -0.8],
+                irradiance: [2.0, 1.5, 1.0],
+            }),
+            FromLight,
+        ),
+        (
+            "constant",
+            lit(EmitterKind::Constant {
+                radiance: [0.5, 0.7, 1.0],
+            }),
+            FromLight,
+        ),
+        (
+            "lat-long",
+            lit(EmitterKind::LatLong {
+                width: 16,
+                height: 9,
+                texels: (0..144).map(sky).collect(),
+                scale: 0.7,
+                to_local,
+            }),
+            FromLight,
+        ),
+        (
+            "cube map",
+            lit(EmitterKind::CubeMap {
+                width: 4,
+                texels: (0..96).map(sky).collect(),
+                scale: 0.7,
+                to_local,
+            }),
+            FromLight,
+        ),
+        (
+            "spheres and triangles, many",
+            open(&|b| {
+                for i in 0..12 {
+                    let x = -0.9 + 0.16 * i as f32;
+                    b.sphere(
+                        [x, 0.7, 0.2 + 0.1 * i as f32],
+                        0.02 + 0.005 * i as f32,
+                        None,
+                    )
+                    .emission = Some([20.0 / (1.0 + i as f32), 3.0, 2.0]);
+                }
+                b.quad([-0.5, -0.5, 1.4], [0.0, 0.7, 0.0], [0.7, 0.0, 0.0], None)
+                    .emission = Some([1.0, 2.0, 3.0]);
+            }),
+            FromLight,
+        ),
+        (
+            "a lamp that is a shell, seen from inside and outside",
+            open(&|b| {
+                b.shape(
+                    Geometry::Sphere {
+                        center: [0.0, 0.0, 0.0],
+                        radius: 6.0,
+                        flipped: true,
+                    },
+                    None,
+                )
+                .emission = Some([0.5, 0.4, 0.3]);
+            }),
+            FromLight,
+        ),
+    ]
+}
+
+/// Crop, lens, filters, projections, mirrored cameras.
+pub fn sensors() -> Vec<Named> {
+    let with = |name: &'static str, change: &dyn Fn(&mut Description)| {
+        let mut d = plain();
+        change(&mut d);
+        (name, d, FromLight)
+    };
+    let lens = |d: &mut Description| {
+        if let Projection::Perspective {
+            aperture, focus, ..
+        } = &mut d.sensor.projection
+        {
+            (*aperture, *focus) = (0.15, 3.2);
+        }
+    };
+    vec![
+        with("crop", &|d| {
+            d.sensor.resolution = [40, 40];
+            d.sensor.crop = Some([9, 14, 20, 16]);
+        }),
+        with("thin lens", &lens),
+        with("tent filter", &|d| {
+            d.sensor.filter = Filter::Tent { radius: 1.5 }
+        }),
+        with("gaussian filter, thin lens and crop", &|d| {
+            lens(d);
+            d.sensor.filter = Filter::Gaussian {
+                sigma: 0.7,
+                radius: 2.0,
+            };
+            d.sensor.resolution = [40, 40];
+            d.sensor.crop = Some([9, 14, 20, 16]);
+        }),
+        with("wide box filter", &|d| {
+            d.sensor.filter = Filter::Box { radius: 1.0 }
+        }),
+        with("mirrored", &|d| d.sensor.right = d.sensor.right.map(|x| -x)),
+        with("shifted film", &|d| d.sensor.principal = [0.1, -0.05]),
+        with("orthographic", &|d| {
+            d.sensor.projection = Projection::Orthographic {
+                half_extent: [0.9, 0.9],
+            }
+        }),
+        with("orthographic, tent filter, crop", &|d| {
+            d.sensor.projection = Projection::Orthographic {
+                half_extent: [0.9, 0.9],
+            };
+            d.sensor.filter = Filter::Tent { radius: 1.2 };
+            d.sensor.resolution = [32, 32];
+            d.sensor.crop = Some([4, 8, 24, 20]);
+        }),
+        with("near and far planes", &|d| d.sensor.clip = [2.9, 4.1]),
+    ]
+}
