@@ -79,9 +79,11 @@ pub(super) fn incident<S: Spectrum>(
         let (direction, distance, cos_light) = cone.sample(xi);
         let pdf = density * area(sphere) / cone.solid_angle();
         let jacobian = cos_light / square(distance);
+        let outwards =
+            (y + direction * distance - vec3(sphere.center)) * (1.0 / Real::from(sphere.radius));
         return (cos_light > 0.0).then(|| Incident {
             direction,
-            distance: free_distance(distance, sphere_offset(sphere), cos_light),
+            end: Some(y + direction * distance + outwards * sphere_offset(sphere)),
             radiance: S::from_rgb(e.radiance),
             pdf,
             dirac: false,
@@ -100,7 +102,7 @@ pub(super) fn incident<S: Spectrum>(
     let cos_light = -direction.dot(normal);
     (cos_light > 0.0).then(|| Incident {
         direction,
-        distance: free_distance(distance, offset, cos_light),
+        end: Some(position + normal * offset),
         radiance: S::from_rgb(e.radiance),
         pdf: density * squared / cos_light,
         dirac: false,
@@ -149,14 +151,6 @@ pub(super) fn emission<S: Spectrum>(
         emitter: NONE,
         primitive: NONE,
     })
-}
-
-/// How much of the way to a light must be free: up to where it is `offset` above the light's surface, so
-/// that rounding of the light's own position can't put it into its own shadow.
-#[inline(always)]
-fn free_distance(distance: Real, offset: Real, cos_light: Real) -> Real {
-    let free = distance - offset / cos_light;
-    if free > 0.0 { free } else { 0.0 }
 }
 
 /// A uniform point of `primitive`, the normal there, and how far off it rays are off the surface.

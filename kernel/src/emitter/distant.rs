@@ -33,7 +33,7 @@ pub(super) fn incident<S: Spectrum>(
     } = sample(scene, e, xi, more)?;
     Some(Incident {
         direction,
-        distance: Real::INFINITY,
+        end: None,
         radiance,
         pdf: pdf * Real::from(e.density),
         dirac: false,
@@ -68,7 +68,7 @@ pub(super) fn emission<S: Spectrum>(
 pub(super) fn directional_incident<S: Spectrum>(scene: &Scene<'_>, e: &Emitter) -> Incident<S> {
     Incident {
         direction: -vec3(e.direction),
-        distance: Real::INFINITY,
+        end: None,
         radiance: S::from_rgb(e.radiance),
         pdf: Real::from(e.density),
         dirac: true,

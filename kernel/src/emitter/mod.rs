@@ -29,8 +29,8 @@ use crate::spectrum::Spectrum;
 pub struct Incident<S> {
     /// From y towards x₀, unit.
     pub direction: Vec3,
-    /// From y to x₀; infinite for distant lights.
-    pub distance: Real,
+    /// x₀, lifted off its own surface by what rounding may do, so that it can't lie in its own shadow; `None` at infinity.
+    pub end: Option<Vec3>,
     /// Radiance that arrives if nothing is in between. Dirac lights: with the Dirac's 1/pdf taken
     /// care of, so that f·cos·radiance/pdf is the estimate in any case (I/d², or irradiance).
     pub radiance: S,

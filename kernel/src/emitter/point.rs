@@ -53,7 +53,7 @@ pub(super) fn incident<S: Spectrum>(e: &Emitter, y: Vec3) -> Option<Incident<S>>
     }
     Some(Incident {
         direction,
-        distance,
+        end: Some(vec3(e.position)),
         radiance: S::from_rgb(e.radiance) * (factor / square),
         pdf: Real::from(e.density),
         dirac: true,

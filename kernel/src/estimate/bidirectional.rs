@@ -18,7 +18,7 @@ use crate::path::{
 use crate::random::{Purpose, Sampler};
 use crate::real::{INV_PI, Real, sqrt, square};
 use crate::sensor::Element;
-use crate::shape::{Ray, Tracer};
+use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
 use crate::surface::{Local, Mode};
 
@@ -279,12 +279,7 @@ fn next_event<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
     let Some(joint) = y.join(light.direction, Mode::Radiance) else {
         return S::BLACK;
     };
-    let free = trace.visibility(Ray {
-        origin: y.point.leave(light.direction),
-        direction: light.direction,
-        t_min: 0.0,
-        t_max: light.distance,
-    });
+    let free = trace.sees(&y.point, light.direction, light.end);
     if free <= 0.0 {
         return S::BLACK;
     }
@@ -332,16 +327,7 @@ fn connect<S: Spectrum, T: Tracer, const N: usize>(
     let Some(at_x) = x.join(-direction, Mode::Importance) else {
         return S::BLACK;
     };
-    // From y's side of its surface to x's side of its own.
-    let (origin, end) = (y.point.leave(direction), x.point.leave(-direction));
-    let segment = end - origin;
-    let length = sqrt(segment.dot(segment));
-    let free = trace.visibility(Ray {
-        origin,
-        direction: segment * (1.0 / length),
-        t_min: 0.0,
-        t_max: length,
-    });
+    let free = trace.sees(&y.point, direction, Some(x.point.leave(-direction)));
     if free <= 0.0 {
         return S::BLACK;
     }

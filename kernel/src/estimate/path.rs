@@ -7,7 +7,7 @@ use crate::path::{Arrival, Heuristic, Trace, Walk};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Real, Vec3, square};
 use crate::sensor::Element;
-use crate::shape::{Ray, Tracer};
+use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
 use crate::surface::{Local, Mode};
 
@@ -83,12 +83,7 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
                 emitter::incident::<S>(scene, vertex.point.position, choice, xi, more)
                 && let Some(joint) = vertex.join(light.direction, Mode::Radiance)
             {
-                let free = trace.visibility(Ray {
-                    origin: vertex.point.leave(light.direction),
-                    direction: light.direction,
-                    t_min: 0.0,
-                    t_max: light.distance,
-                });
+                let free = trace.sees(&vertex.point, light.direction, light.end);
                 if free > 0.0 {
                     let weight = if light.dirac {
                         1.0

@@ -5,7 +5,7 @@
 use crate::blob::Scene;
 use crate::blob::format::{NONE, Shape, material};
 use crate::random::{Purpose, Sampler};
-use crate::real::Real;
+use crate::real::{Real, Vec3, sqrt};
 use crate::shape::{Point, Ray, Tracer};
 use crate::spectrum::Spectrum;
 
@@ -151,6 +151,28 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
         self.visibility_past(ray)
     }
 
+    /// V between a surface point and `end`, a point off its own surface, or infinity in `direction`.
+    #[inline(always)]
+    pub fn sees(&mut self, from: &Point, direction: Vec3, end: Option<Vec3>) -> Real {
+        let origin = from.leave(direction);
+        let mut ray = Ray {
+            origin,
+            direction,
+            t_min: 0.0,
+            t_max: Real::INFINITY,
+        };
+        if let Some(end) = end {
+            // Both ends have been lifted: the segment isn't quite along `direction` any more.
+            let segment = end - origin;
+            let length = sqrt(segment.dot(segment));
+            if length <= 0.0 {
+                return 1.0;
+            }
+            (ray.direction, ray.t_max) = (segment * (1.0 / length), length);
+        }
+        self.visibility(ray)
+    }
+
     #[inline(never)]
     fn visibility_past(&mut self, mut ray: Ray) -> Real {
         let mut free = 1.0;
@@ -178,7 +200,7 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
 
     /// α of the surface at `point`: 0 for null boundaries.
     #[inline(always)]
-    fn opacity(&self, point: &Point, direction: crate::real::Vec3) -> Real {
+    fn opacity(&self, point: &Point, direction: Vec3) -> Real {
         let Some(shape) = self.scene.shape(point.shape) else {
             return 1.0;
         };
