@@ -1,0 +1,330 @@
+//! The program as a user meets it: its commands, its files, its refusals.
+
+mod refusals;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Runs the program in `folder`.
+fn etendue(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_etendue"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Runs the program, which must succeed, and returns its standard output.
+fn succeed(folder: &Path, arguments: &[&str]) -> String {
+    let output = etendue(folder, arguments);
+    assert!(
+        output.status.success(),
+        "{arguments:?}: {}",
+        text(&output.stderr)
+    );
+    text(&output.stdout)
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
+    let out = succeed(folder, arguments);
+    serde_json::from_str(out.lines().last().unwrap()).unwrap_or_else(|e| panic!("{e}: {out}"))
+}
+
+/// A floor under a lamp, 16 × 12 pixels; `$grey` is the floor's reflectance.
+const SCENE: &str = r#"<scene version="3.0.0">
+  <default name="grey" value="0.5"/>
+  <integrator type="path"><integer name="max_depth" value="4"/></integrator>
+  <sensor type="perspective">
+    <float name="fov" value="50"/>
+    <transform name="to_world"><lookat origin="0, 2, 5" target="0, 0.5, 0" up="0, 1, 0"/></transform>
+    <sampler type="independent"><integer name="sample_count" value="4"/></sampler>
+    <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="12"/><rfilter type="box"/></film>
+  </sensor>
+  <bsdf type="twosided" id="floor"><bsdf type="diffuse"><rgb name="reflectance" value="$grey"/></bsdf></bsdf>
+  <shape type="rectangle">
+    <transform name="to_world"><rotate x="1" angle="-90"/><scale value="2"/></transform>
+    <ref id="floor"/>
+  </shape>
+  <shape type="sphere">
+    <point name="center" x="0" y="1.5" z="0"/><float name="radius" value="0.4"/>
+    <emitter type="area"><rgb name="radiance" value="4, 3, 2"/></emitter>
+  </shape>
+</scene>
+"#;
+
+/// A folder with the scene in it.
+fn folder() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().to_owned();
+    std::fs::write(path.join("scene.xml"), SCENE).unwrap();
+    (folder, path)
+}
+
+fn bytes(path: &Path, file: &str) -> Vec<u8> {
+    std::fs::read(path.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"))
+}
+
+#[test]
+fn help_names_every_flag() {
+    let (_keep, at) = folder();
+    let flags: [(&str, &[&str]); 4] = [
+        (
+            "render",
+            &[
+                "--output",
+                "--estimator",
+                "--mis",
+                "--spp",
+                "--time",
+                "--seed",
+                "--threads",
+                "--max-depth",
+                "-D",
+                "--width",
+                "--height",
+                "--exposure",
+                "--tonemap",
+                "--json",
+                "--quiet",
+            ],
+        ),
+        ("compile", &["--output", "-D"]),
+        ("inspect", &["-D"]),
+        ("compare", &["--json", "--output"]),
+    ];
+    for (command, flags) in flags {
+        let help = succeed(&at, &[command, "--help"]);
+        for flag in flags {
+            assert!(
+                help.contains(flag),
+                "{command} --help lacks {flag}:\n{help}"
+            );
+        }
+    }
+}
+
+#[test]
+fn renders_every_format_and_reports() {
+    let (_keep, at) = folder();
+    let report = json(
+        &at,
+        &[
+            "render",
+            "scene.xml",
+            "-o",
+            "a.exr",
+            "-o",
+            "a.hdr",
+            "-o",
+            "a.png",
+            "--json",
+            "--spp",
+            "8",
+        ],
+    );
+    assert_eq!(
+        (
+            &report["width"],
+            &report["height"],
+            &report["passes"],
+            &report["samples"]
+        ),
+        (&16.into(), &12.into(), &8.into(), &1536.into())
+    );
+    for field in ["seconds", "rays", "rays_per_second"] {
+        assert!(report[field].as_f64().unwrap() > 0.0, "{field}");
+    }
+    assert_eq!(report["mean_rgb"].as_array().unwrap().len(), 3);
+    for field in [
+        "walks_cut_by_step_limit",
+        "rejected_values",
+        "film_saturated",
+        "film_invalid",
+    ] {
+        assert_eq!(report["diagnostics"][field], 0, "{field}");
+    }
+    assert_eq!(&bytes(&at, "a.png")[..4], b"\x89PNG");
+    assert_eq!(&bytes(&at, "a.hdr")[..2], b"#?");
+    // HDR keeps eight bits of mantissa.
+    let distance = json(&at, &["compare", "a.hdr", "a.exr", "--json"]);
+    assert!(distance["rel_mse"].as_f64().unwrap() < 1e-4, "{distance}");
+}
+
+#[test]
+fn the_same_bits_on_any_number_of_threads_and_from_a_blob() {
+    let (_keep, at) = folder();
+    succeed(&at, &["compile", "scene.xml", "-o", "scene.etd"]);
+    for estimator in ["path", "light", "bidirectional"] {
+        let render = |scene: &str, out: &str, threads: &str| {
+            succeed(
+                &at,
+                &[
+                    "render",
+                    scene,
+                    "-o",
+                    out,
+                    "--spp",
+                    "5",
+                    "--max-depth",
+                    "4",
+                    "--estimator",
+                    estimator,
+                    "--threads",
+                    threads,
+                    "--quiet",
+                ],
+            );
+            bytes(&at, out)
+        };
+        let first = render("scene.xml", "1.exr", "1");
+        assert_eq!(first, render("scene.xml", "2.exr", "2"), "{estimator}");
+        assert_eq!(first, render("scene.xml", "3.exr", "3"), "{estimator}");
+        assert_eq!(
+            first,
+            render("scene.etd", "4.exr", "2"),
+            "{estimator} from the blob"
+        );
+    }
+}
+
+#[test]
+fn time_ends_with_a_whole_pass() {
+    let (_keep, at) = folder();
+    let report = json(
+        &at,
+        &[
+            "render",
+            "scene.xml",
+            "-o",
+            "time.exr",
+            "--time",
+            "200ms",
+            "--json",
+        ],
+    );
+    let passes = report["passes"].as_u64().unwrap();
+    assert!(passes > 1);
+    succeed(
+        &at,
+        &[
+            "render",
+            "scene.xml",
+            "-o",
+            "spp.exr",
+            "--spp",
+            &passes.to_string(),
+            "--quiet",
+        ],
+    );
+    assert_eq!(bytes(&at, "time.exr"), bytes(&at, "spp.exr"));
+}
+
+#[test]
+fn values_sizes_and_depths_are_taken() {
+    let (_keep, at) = folder();
+    let mean = |extra: &[&str]| {
+        let mut arguments = vec![
+            "render",
+            "scene.xml",
+            "-o",
+            "x.exr",
+            "--json",
+            "--spp",
+            "64",
+        ];
+        arguments.extend(extra);
+        let report = json(&at, &arguments);
+        (
+            report["mean_rgb"][0].as_f64().unwrap(),
+            report["width"].as_u64().unwrap(),
+            report["height"].as_u64().unwrap(),
+        )
+    };
+    let (grey, ..) = mean(&[]);
+    let (black, ..) = mean(&["-D", "grey=0"]);
+    let (seen, ..) = mean(&["--max-depth", "1"]);
+    assert!(
+        grey > 1.1 * black,
+        "the floor's reflectance isn't taken: {grey} against {black}"
+    );
+    assert!(
+        (black - seen).abs() < 0.02 * seen,
+        "depth 1 shows the lamp alone: {black} against {seen}"
+    );
+    assert_eq!(mean(&["--width", "32"]).1, 32);
+    assert_eq!(mean(&["--width", "32"]).2, 24);
+    assert_eq!(mean(&["--width", "10", "--height", "20"]).2, 20);
+}
+
+#[test]
+fn compares_images() {
+    let (_keep, at) = folder();
+    for (out, seed) in [("a.exr", "1"), ("b.exr", "2")] {
+        succeed(
+            &at,
+            &["render", "scene.xml", "-o", out, "--seed", seed, "--quiet"],
+        );
+    }
+    let same = json(&at, &["compare", "a.exr", "a.exr", "--json"]);
+    assert_eq!(
+        (same["mse"].as_f64(), same["rel_mse"].as_f64()),
+        (Some(0.0), Some(0.0))
+    );
+    let other = json(&at, &["compare", "a.exr", "b.exr", "--json"]);
+    assert!(other["mse"].as_f64().unwrap() > 0.0);
+    assert!(succeed(&at, &["compare", "a.exr", "b.exr", "-o", "d.png"]).contains("relMSE"));
+    assert_eq!(&bytes(&at, "d.png")[..4], b"\x89PNG");
+}
+
+#[test]
+fn inspects_scenes_and_blobs() {
+    let (_keep, at) = folder();
+    succeed(&at, &["compile", "scene.xml", "-o", "scene.etd"]);
+    for scene in ["scene.xml", "scene.etd"] {
+        let out = succeed(&at, &["inspect", scene]);
+        for part in [
+            "2 triangles, 1 spheres",
+            "packets",
+            "bytes",
+            "SAH",
+            "left out",
+            "no free flight",
+        ] {
+            assert!(out.contains(part), "{scene}: no {part:?} in\n{out}");
+        }
+    }
+}
+
+/// The first Ctrl-C ends the render after its pass and writes what there is.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_writes_the_image_so_far() {
+    let (_keep, at) = folder();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_etendue"))
+        .args([
+            "render",
+            "scene.xml",
+            "-o",
+            "x.exr",
+            "--time",
+            "1h",
+            "--quiet",
+        ])
+        .current_dir(&at)
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status()
+            .unwrap()
+            .success()
+    );
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    succeed(&at, &["compare", "x.exr", "x.exr"]);
+}

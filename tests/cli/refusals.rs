@@ -1,0 +1,232 @@
+//! Bad input: one line that names file and place, exit code ≠ 0, nothing written.
+
+use super::{SCENE, etendue, folder, succeed, text};
+use std::path::Path;
+
+/// Everything in a folder.
+fn listing(at: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(at)
+        .unwrap()
+        .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+/// The program must refuse: one line beginning with `error:` that contains all of `parts`, and no file more than before.
+fn refused(at: &Path, arguments: &[&str], parts: &[&str]) {
+    let before = listing(at);
+    let output = etendue(at, arguments);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {error}");
+    let lines: Vec<&str> = error
+        .lines()
+        .filter(|l| !l.starts_with("warning:"))
+        .collect();
+    assert!(
+        lines.len() == 1 && lines[0].starts_with("error: "),
+        "{arguments:?}: expected one line, found:\n{error}"
+    );
+    for part in parts {
+        assert!(
+            lines[0].contains(part),
+            "{arguments:?}: no {part:?} in {}",
+            lines[0]
+        );
+    }
+    assert_eq!(before, listing(at), "{arguments:?} left something behind");
+}
+
+/// Rendering `scene`, a changed copy of the good one, must be refused.
+fn scene_refused(from: &str, to: &str, parts: &[&str]) {
+    let (_keep, at) = folder();
+    assert!(SCENE.contains(from), "{from} isn't in the scene");
+    std::fs::write(at.join("bad.xml"), SCENE.replacen(from, to, 1)).unwrap();
+    refused(
+        &at,
+        &["render", "bad.xml", "-o", "x.exr"],
+        &[&["bad.xml"], parts].concat(),
+    );
+}
+
+#[test]
+fn scenes() {
+    scene_refused("</scene>", "", &["bad.xml:"]);
+    scene_refused(
+        "<float name=\"fov\" value=\"50\"/>",
+        "<float name=\"fov\" value=\"wide\"/>",
+        &["bad.xml:5", "wide"],
+    );
+    scene_refused(
+        "<float name=\"fov\" value=\"50\"/>",
+        "<string name=\"fov\" value=\"50\"/>",
+        &["bad.xml:5"],
+    );
+    scene_refused(
+        "type=\"rectangle\"",
+        "type=\"teapot\"",
+        &["bad.xml:11", "teapot"],
+    );
+    scene_refused(
+        "name=\"radius\" value=\"0.4\"",
+        "name=\"radios\" value=\"0.4\"",
+        &["bad.xml:16", "radios"],
+    );
+    scene_refused("value=\"0.4\"", "value=\"-1\"", &["bad.xml:16", "-1"]);
+    scene_refused("value=\"$grey\"", "value=\"1.5\"", &["bad.xml:10"]);
+    scene_refused(
+        "value=\"$grey\"",
+        "value=\"$colour\"",
+        &["bad.xml:10", "colour"],
+    );
+    scene_refused(
+        "<ref id=\"floor\"/>",
+        "<ref id=\"flour\"/>",
+        &["bad.xml:13", "flour"],
+    );
+    scene_refused(
+        "<integrator",
+        "<bsdf type=\"diffuse\" id=\"floor\"/><integrator",
+        &["bad.xml", "floor"],
+    );
+    scene_refused("<scale value=\"2\"/>", "<scale value=\"0\"/>", &["bad.xml"]);
+    scene_refused(
+        "type=\"diffuse\"",
+        "type=\"roughplastic\"",
+        &["bad.xml:10", "not supported yet"],
+    );
+}
+
+#[test]
+fn meshes() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let shape = "<shape type=\"obj\"><string name=\"filename\" value=\"m.obj\"/><emitter type=\"area\"><rgb name=\"radiance\" value=\"1\"/></emitter></shape></scene>";
+    let (_keep, at) = folder();
+    std::fs::write(at.join("mesh.xml"), SCENE.replace("</scene>", shape)).unwrap();
+    let mesh = |content: &str, parts: &[&str]| {
+        std::fs::write(at.join("m.obj"), content).unwrap();
+        refused(&at, &["render", "mesh.xml", "-o", "x.exr"], parts);
+    };
+    mesh(&obj.replace("v 1 0 0", "v nan 0 0"), &["m.obj:2"]);
+    mesh(&obj.replace("f 1 2 3", "f 1 2 7"), &["m.obj:4", "7"]);
+    mesh(&obj.replace("v 0 1 0", "v 2 0 0"), &["area"]);
+    mesh("", &["m.obj"]);
+    std::fs::remove_file(at.join("m.obj")).unwrap();
+    refused(&at, &["render", "mesh.xml", "-o", "x.exr"], &["m.obj"]);
+}
+
+#[test]
+fn blobs() {
+    let (_keep, at) = folder();
+    succeed(&at, &["compile", "scene.xml", "-o", "good.etd"]);
+    let good = std::fs::read(at.join("good.etd")).unwrap();
+    std::fs::write(at.join("short.etd"), &good[..good.len() / 2]).unwrap();
+    std::fs::write(at.join("foreign.etd"), vec![0x5a; 4096]).unwrap();
+    std::fs::write(at.join("empty.etd"), []).unwrap();
+    for command in ["render", "inspect"] {
+        for (file, part) in [
+            ("short.etd", "shorter"),
+            ("foreign.etd", "not an Étendue blob"),
+            ("empty.etd", "shorter"),
+            ("none.etd", "none.etd"),
+        ] {
+            let mut arguments = vec![command, file];
+            if command == "render" {
+                arguments.extend(["-o", "x.exr"]);
+            }
+            refused(&at, &arguments, &[file, part]);
+        }
+    }
+    refused(
+        &at,
+        &["render", "good.etd", "-o", "x.exr", "--width", "8"],
+        &["good.etd", "--width"],
+    );
+}
+
+#[test]
+fn files_and_outputs() {
+    let (_keep, at) = folder();
+    std::fs::create_dir(at.join("folder.exr")).unwrap();
+    refused(&at, &["render", "none.xml", "-o", "x.exr"], &["none.xml"]);
+    refused(
+        &at,
+        &["render", "scene.xml", "-o", "x.gif"],
+        &["x.gif", ".png"],
+    );
+    refused(
+        &at,
+        &["render", "scene.xml", "-o", "folder.exr"],
+        &["folder.exr"],
+    );
+    refused(
+        &at,
+        &["render", "scene.xml", "-o", "no/such/x.exr"],
+        &["no/such/x.exr"],
+    );
+    refused(
+        &at,
+        &["render", "scene.xml", "-o", "x.png", "-o", "no/y.png"],
+        &["no/y.png"],
+    );
+    refused(
+        &at,
+        &["render", "scene.xml", "-o", "x.exr", "-D", "unheard=1"],
+        &["unheard"],
+    );
+    refused(
+        &at,
+        &["compile", "scene.xml", "-o", "x.bin"],
+        &["x.bin", ".etd"],
+    );
+    refused(
+        &at,
+        &["compile", "scene.xml", "-o", "no/x.etd"],
+        &["no/x.etd"],
+    );
+    succeed(&at, &["render", "scene.xml", "-o", "a.exr", "--quiet"]);
+    succeed(
+        &at,
+        &[
+            "render",
+            "scene.xml",
+            "-o",
+            "b.exr",
+            "--quiet",
+            "--width",
+            "8",
+        ],
+    );
+    refused(&at, &["compare", "a.exr", "b.exr"], &["16 × 12", "8 × 6"]);
+    refused(&at, &["compare", "a.exr", "none.exr"], &["none.exr"]);
+}
+
+/// Usage errors are clap's: exit code 2.
+#[test]
+fn usage() {
+    let (_keep, at) = folder();
+    let bad: [&[&str]; 7] = [
+        &["render", "scene.xml"],
+        &["render", "scene.xml", "-o", "x.exr", "--spp", "0"],
+        &[
+            "render",
+            "scene.xml",
+            "-o",
+            "x.exr",
+            "--spp",
+            "1",
+            "--time",
+            "1s",
+        ],
+        &["render", "scene.xml", "-o", "x.exr", "--time", "soon"],
+        &["render", "scene.xml", "-o", "x.exr", "--estimator", "magic"],
+        &["render", "scene.xml", "-o", "x.exr", "--tonemap", "gamma:1"],
+        &["render", "scene.xml", "-o", "x.exr", "--max-depth", "-2"],
+    ];
+    for arguments in bad {
+        let output = etendue(&at, arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(text(&output.stderr).starts_with("error: "), "{arguments:?}");
+    }
+    assert_eq!(listing(&at), ["scene.xml"]);
+}
