@@ -129,8 +129,8 @@ impl Gaussian {
     /// ∫₀ˣ f = σ√(π/2)·erf(x/σ√2) − x·e^(−r²/2σ²).
     #[inline(always)]
     fn integral(&self, x: Real) -> Real {
-        const ROOT_HALF_PI: Real = 1.253_314_137_315_500_3;
-        let whole = self.sigma * ROOT_HALF_PI * erf(x / self.sigma * FRAC_1_SQRT_2);
+        let root_half_pi = sqrt(0.5 * PI);
+        let whole = self.sigma * root_half_pi * erf(x / self.sigma * FRAC_1_SQRT_2);
         whole - x * self.floor
     }
 
