@@ -244,7 +244,13 @@ mod tests {
         let below = limit * crate::real::ONE_MINUS;
         let steps = libm::ldexp(f64::from(below), 64) as u128;
         assert_eq!(step.count(below, &mut refused), Some(steps));
-        for x in [Real::NAN, Real::INFINITY, Real::NEG_INFINITY, -1.0, -Real::MIN_POSITIVE] {
+        for x in [
+            Real::NAN,
+            Real::INFINITY,
+            Real::NEG_INFINITY,
+            -1.0,
+            -Real::MIN_POSITIVE,
+        ] {
             assert_eq!(step.count(x, &mut refused), None);
         }
         let mut sum: Sum = [0; 3];
@@ -267,7 +273,13 @@ mod tests {
         for exponent in [i32::MIN, -65, 65, i32::MAX] {
             let step = Step::new(exponent);
             assert_eq!(step, Step::new(exponent.clamp(-64, 64)));
-            for x in [0.0, Real::MIN_POSITIVE / 8.0, Real::MIN_POSITIVE, 1.0, Real::MAX] {
+            for x in [
+                0.0,
+                Real::MIN_POSITIVE / 8.0,
+                Real::MIN_POSITIVE,
+                1.0,
+                Real::MAX,
+            ] {
                 step.count(x, &mut refused);
             }
         }

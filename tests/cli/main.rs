@@ -1,6 +1,7 @@
 //! The program as a user meets it: its commands, its files, its refusals.
 
 mod refusals;
+mod signals;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -71,6 +72,17 @@ fn bytes(path: &Path, file: &str) -> Vec<u8> {
 #[test]
 fn help_names_every_flag() {
     let (_keep, at) = folder();
+    let help = succeed(&at, &["--help"]);
+    for part in [
+        "render",
+        "compile",
+        "inspect",
+        "compare",
+        "Exit codes",
+        "130",
+    ] {
+        assert!(help.contains(part), "--help lacks {part}:\n{help}");
+    }
     let flags: [(&str, &[&str]); 4] = [
         (
             "render",
@@ -157,6 +169,11 @@ fn renders_every_format_and_reports() {
 #[test]
 fn the_same_bits_on_any_number_of_threads_and_from_a_blob() {
     let (_keep, at) = folder();
+    // Many tiles, those at the right and the bottom smaller than the others.
+    let film = SCENE
+        .replace("value=\"16\"", "value=\"90\"")
+        .replace("value=\"12\"", "value=\"70\"");
+    std::fs::write(at.join("scene.xml"), film).unwrap();
     succeed(&at, &["compile", "scene.xml", "-o", "scene.etd"]);
     for estimator in ["path", "light", "bidirectional"] {
         let render = |scene: &str, out: &str, threads: &str| {
@@ -261,23 +278,105 @@ fn values_sizes_and_depths_are_taken() {
 }
 
 #[test]
+fn one_pixel_is_an_image() {
+    let (_keep, at) = folder();
+    let report = json(
+        &at,
+        &[
+            "render",
+            "scene.xml",
+            "-o",
+            "x.png",
+            "--width",
+            "1",
+            "--height",
+            "1",
+            "--json",
+        ],
+    );
+    // The scene's own sample count.
+    assert_eq!(
+        (&report["samples"], &report["passes"]),
+        (&4.into(), &4.into())
+    );
+    assert!(at.join("x.png").exists());
+}
+
+/// Writes an image whose pixels are all `value`.
+fn flat(path: PathBuf, size: [usize; 2], value: [f32; 3]) {
+    exr::prelude::write_rgb_file(path, size[0], size[1], |_, _| {
+        (value[0], value[1], value[2])
+    })
+    .unwrap();
+}
+
+#[test]
 fn compares_images() {
     let (_keep, at) = folder();
-    for (out, seed) in [("a.exr", "1"), ("b.exr", "2")] {
-        succeed(
-            &at,
-            &["render", "scene.xml", "-o", out, "--seed", seed, "--quiet"],
+    succeed(&at, &["render", "scene.xml", "-o", "x.exr", "--quiet"]);
+    let same = json(&at, &["compare", "x.exr", "x.exr", "--json"]);
+    for field in ["mse", "rel_mse", "relative_bias", "largest_difference"] {
+        assert_eq!(same[field], 0.0, "{field}");
+    }
+    assert_eq!(same["bias"], serde_json::json!([0.0, 0.0, 0.0]));
+
+    flat(at.join("a.exr"), [5, 3], [1.5, 1.0, 0.0]);
+    flat(at.join("b.exr"), [5, 3], [1.0, 1.0, 1.0]);
+    let other = json(&at, &["compare", "a.exr", "b.exr", "--json"]);
+    // (¼ + 0 + 1)/3, and the same over b² + 0.01·m² = 1.01.
+    for (field, value) in [
+        ("mse", 1.25 / 3.0),
+        ("rel_mse", 1.25 / 3.03),
+        ("relative_bias", -0.5 / 3.0),
+        ("largest_difference", 1.0),
+        ("difference_scale", 0.5 / 3.0),
+    ] {
+        let found = other[field].as_f64().unwrap();
+        assert!(
+            (found - value).abs() < 1e-12,
+            "{field}: {found}, not {value}"
         );
     }
-    let same = json(&at, &["compare", "a.exr", "a.exr", "--json"]);
-    assert_eq!(
-        (same["mse"].as_f64(), same["rel_mse"].as_f64()),
-        (Some(0.0), Some(0.0))
-    );
-    let other = json(&at, &["compare", "a.exr", "b.exr", "--json"]);
-    assert!(other["mse"].as_f64().unwrap() > 0.0);
+    let bias: Vec<f64> = serde_json::from_value(other["bias"].clone()).unwrap();
+    for (found, value) in bias.iter().zip([0.5, 0.0, -1.0]) {
+        assert!((found - value).abs() < 1e-12, "{bias:?}");
+    }
+
     assert!(succeed(&at, &["compare", "a.exr", "b.exr", "-o", "d.png"]).contains("relMSE"));
-    assert_eq!(&bytes(&at, "d.png")[..4], b"\x89PNG");
+    let difference = image::open(at.join("d.png")).unwrap().into_rgb8();
+    // B is brighter, everywhere as much as anywhere: full blue.
+    assert!(difference.pixels().all(|p| p.0 == [0, 0, 255]));
+}
+
+#[test]
+fn a_png_is_compared_linear_and_takes_the_tone_curve() {
+    let (_keep, at) = folder();
+    flat(at.join("b.exr"), [4, 4], [0.214_041_14; 3]);
+    let grey = image::RgbImage::from_pixel(4, 4, image::Rgb([128; 3]));
+    grey.save(at.join("a.png")).unwrap();
+    let d = json(&at, &["compare", "a.png", "b.exr", "--json"]);
+    assert!(d["largest_difference"].as_f64().unwrap() < 2e-3, "{d}");
+
+    // The lamp fills the picture: radiance 4, 3, 2.
+    let lamp = SCENE.replace("value=\"0.4\"", "value=\"3.2\"");
+    std::fs::write(at.join("lamp.xml"), lamp).unwrap();
+    let pixel = |extra: &[&str]| {
+        let mut arguments = vec!["render", "lamp.xml", "-o", "x.png", "--max-depth", "1"];
+        arguments.extend(["--quiet", "--spp", "1"]);
+        arguments.extend(extra);
+        succeed(&at, &arguments);
+        image::open(at.join("x.png"))
+            .unwrap()
+            .into_rgb8()
+            .get_pixel(8, 6)
+            .0
+    };
+    assert_eq!(pixel(&[]), [255; 3]);
+    // 1, 3/4, 1/2 and 4/5, 3/4, 2/3, sRGB-coded.
+    assert_eq!(pixel(&["--exposure", "-2"]), [255, 225, 188]);
+    assert_eq!(pixel(&["--tonemap", "reinhard"]), [231, 225, 213]);
+    // 0.1·(x + 1), and nothing after it.
+    assert_eq!(pixel(&["--tonemap", "gamma:0.1,1,1"]), [128, 102, 77]);
 }
 
 #[test]
@@ -297,34 +396,4 @@ fn inspects_scenes_and_blobs() {
             assert!(out.contains(part), "{scene}: no {part:?} in\n{out}");
         }
     }
-}
-
-/// The first Ctrl-C ends the render after its pass and writes what there is.
-#[cfg(unix)]
-#[test]
-fn an_interrupt_writes_the_image_so_far() {
-    let (_keep, at) = folder();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_etendue"))
-        .args([
-            "render",
-            "scene.xml",
-            "-o",
-            "x.exr",
-            "--time",
-            "1h",
-            "--quiet",
-        ])
-        .current_dir(&at)
-        .spawn()
-        .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(700));
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &child.id().to_string()])
-            .status()
-            .unwrap()
-            .success()
-    );
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    succeed(&at, &["compare", "x.exr", "x.exr"]);
 }

@@ -199,13 +199,84 @@ fn files_and_outputs() {
     );
     refused(&at, &["compare", "a.exr", "b.exr"], &["16 × 12", "8 × 6"]);
     refused(&at, &["compare", "a.exr", "none.exr"], &["none.exr"]);
+    refused(
+        &at,
+        &["compare", "a.exr", "scene.xml"],
+        &["scene.xml", ".exr"],
+    );
+    refused(
+        &at,
+        &["compare", "a.exr", "a.exr", "-o", "d.gif"],
+        &["d.gif"],
+    );
+    refused(
+        &at,
+        &["compare", "a.exr", "a.exr", "-o", "no/d.png"],
+        &["no/d.png"],
+    );
+}
+
+#[test]
+fn damaged_images() {
+    let (_keep, at) = folder();
+    let outputs = ["-o", "a.exr", "-o", "a.hdr", "-o", "a.png"];
+    succeed(
+        &at,
+        &[&["render", "scene.xml", "--quiet"], &outputs[..]].concat(),
+    );
+    for extension in ["exr", "hdr", "png"] {
+        let good = std::fs::read(at.join(format!("a.{extension}"))).unwrap();
+        let bad = format!("bad.{extension}");
+        for length in [0, 20, good.len() / 2, good.len() - 16] {
+            std::fs::write(at.join(&bad), &good[..length]).unwrap();
+            refused(&at, &["compare", "a.exr", &bad], &[&bad]);
+        }
+        std::fs::write(at.join(&bad), [0x5a; 512]).unwrap();
+        refused(&at, &["compare", &bad, "a.exr"], &[&bad]);
+    }
+    exr::prelude::write_rgb_file(at.join("nan.exr"), 16, 12, |x, y| {
+        let x = if (x, y) == (3, 7) { f32::NAN } else { 1.0 };
+        (1.0, x, 1.0)
+    })
+    .unwrap();
+    refused(
+        &at,
+        &["compare", "nan.exr", "a.exr"],
+        &["nan.exr", "column 3, row 7"],
+    );
+}
+
+/// An older image stays as it is when its successor is refused, and so does everything if one of several outputs is.
+#[test]
+fn what_was_there_stays() {
+    let (_keep, at) = folder();
+    std::fs::write(at.join("x.png"), "old").unwrap();
+    refused(&at, &["render", "none.xml", "-o", "x.png"], &["none.xml"]);
+    refused(
+        &at,
+        &["render", "scene.xml", "-o", "x.png", "-o", "x.tiff"],
+        &["x.tiff"],
+    );
+    assert_eq!(std::fs::read(at.join("x.png")).unwrap(), b"old");
+}
+
+/// An image whose sums no memory holds.
+#[test]
+fn an_image_too_large() {
+    let (_keep, at) = folder();
+    let size = ["--width", "65537", "--height", "4"];
+    refused(
+        &at,
+        &[&["render", "scene.xml", "-o", "x.exr"], &size[..]].concat(),
+        &["65536"],
+    );
 }
 
 /// Usage errors are clap's: exit code 2.
 #[test]
 fn usage() {
     let (_keep, at) = folder();
-    let bad: [&[&str]; 7] = [
+    let bad: [&[&str]; 12] = [
         &["render", "scene.xml"],
         &["render", "scene.xml", "-o", "x.exr", "--spp", "0"],
         &[
@@ -222,6 +293,18 @@ fn usage() {
         &["render", "scene.xml", "-o", "x.exr", "--estimator", "magic"],
         &["render", "scene.xml", "-o", "x.exr", "--tonemap", "gamma:1"],
         &["render", "scene.xml", "-o", "x.exr", "--max-depth", "-2"],
+        &["render", "scene.xml", "-o", "x.exr", "--max-depth", "2.5"],
+        &["render", "scene.xml", "-o", "x.exr", "--threads", "0"],
+        &["render", "scene.xml", "-o", "x.png", "--exposure", "nan"],
+        &[
+            "render",
+            "scene.xml",
+            "-o",
+            "x.png",
+            "--tonemap",
+            "gamma:1,0,0",
+        ],
+        &["render", "scene.xml", "-o", "x.exr", "-D", "grey"],
     ];
     for arguments in bad {
         let output = etendue(&at, arguments);

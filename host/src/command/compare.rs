@@ -1,21 +1,25 @@
 //! `etendue compare`.
 
-use super::Failure;
-use crate::develop::{Curve, Linear, Output, Tone, read};
+use super::{Failure, print};
+use crate::develop::{Curve, Linear, Output, Tone, read, write};
 use std::path::PathBuf;
 
-/// Compare two linear images
+/// Compare two images: MSE, relMSE, bias, difference image
+///
+/// relMSE is the mean over pixels and channels of (a−b)²/(b² + 0.01·m²), m the mean of B. Images are compared
+/// linear: a PNG's sRGB coding is undone first.
 #[derive(clap::Args, Debug)]
 pub struct Compare {
-    /// Image to judge (.exr or .hdr)
+    /// Image to judge (.exr, .hdr or .png)
     a: PathBuf,
     /// Reference of the same size
     b: PathBuf,
     /// One JSON object on standard output
     #[arg(long)]
     json: bool,
-    /// Difference image: red where A is brighter, blue where B is; full colour at the largest difference
-    #[arg(short, long = "output", value_name = "DIFF.png")]
+    /// Difference image, by the mean of the channels: red where A is brighter, blue where B is, white where they
+    /// are equal; colour grows as the square root, to the full at the largest difference, which is printed
+    #[arg(short, long = "output", value_name = "DIFF")]
     output: Option<PathBuf>,
 }
 
@@ -30,8 +34,10 @@ struct Distance {
     bias: [f64; 3],
     /// Mean of a−b over the mean of b.
     relative_bias: f64,
-    /// The largest |a−b|.
+    /// The largest |a−b| of a channel.
     largest: f64,
+    /// The largest |a−b| of the mean of the channels.
+    largest_mean: f64,
 }
 
 fn distance(a: &Linear, b: &Linear) -> Distance {
@@ -51,6 +57,7 @@ fn distance(a: &Linear, b: &Linear) -> Distance {
         bias: [0.0; 3],
         relative_bias: 0.0,
         largest: 0.0,
+        largest_mean: 0.0,
     };
     for (p, q) in a.pixels.iter().zip(&b.pixels) {
         for c in 0..3 {
@@ -63,6 +70,7 @@ fn distance(a: &Linear, b: &Linear) -> Distance {
             d.bias[c] += (x - y) / n;
             d.largest = d.largest.max((x - y).abs());
         }
+        d.largest_mean = d.largest_mean.max((grey(p) - grey(q)).abs());
     }
     let bias = d.bias.iter().sum::<f64>() / 3.0;
     d.relative_bias = if bias == 0.0 { 0.0 } else { bias / m };
@@ -71,16 +79,8 @@ fn distance(a: &Linear, b: &Linear) -> Distance {
 
 impl Compare {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let output = self
-            .output
-            .as_deref()
-            .map(Output::open)
-            .transpose()
-            .map_err(|e| e.to_string())?;
-        let (a, b) = (
-            read(&self.a).map_err(|e| e.to_string())?,
-            read(&self.b).map_err(|e| e.to_string())?,
-        );
+        let output = self.output.as_deref().map(Output::open).transpose()?;
+        let (a, b) = (read(&self.a)?, read(&self.b)?);
         if a.size != b.size {
             let [[w, h], [x, y]] = [a.size, b.size];
             let (a, b) = (self.a.display(), self.b.display());
@@ -90,7 +90,7 @@ impl Compare {
         }
         let d = distance(&a, &b);
         if let Some(output) = output {
-            let image = difference(&a, &b, d.largest);
+            let image = difference(&a, &b, d.largest_mean);
             let tone = Tone {
                 exposure: 0.0,
                 curve: Curve::Gamma {
@@ -99,7 +99,7 @@ impl Compare {
                     gamma: 1.0,
                 },
             };
-            output.write(&image, tone).map_err(|e| e.to_string())?;
+            write(&[output], &image, tone)?;
         }
         if self.json {
             let object = serde_json::json!({
@@ -108,35 +108,38 @@ impl Compare {
                 "bias": d.bias,
                 "relative_bias": d.relative_bias,
                 "largest_difference": d.largest,
+                "difference_scale": d.largest_mean,
             });
-            println!("{object}");
+            print(&format!("{object}\n"))
         } else {
-            println!("MSE            {:.6e}", d.mse);
-            println!("relMSE         {:.6e}", d.rel_mse);
-            println!(
-                "bias of mean   {:+.6e} {:+.6e} {:+.6e} ({:+.4} %)",
-                d.bias[0],
-                d.bias[1],
-                d.bias[2],
-                100.0 * d.relative_bias
-            );
-            println!("largest        {:.6e}", d.largest);
+            let [r, g, b] = d.bias;
+            let percent = 100.0 * d.relative_bias;
+            print(&format!(
+                "MSE            {:.6e}\n\
+                 relMSE         {:.6e}\n\
+                 bias of mean   {r:+.6e} {g:+.6e} {b:+.6e} ({percent:+.4} %)\n\
+                 largest        {:.6e} in a channel, {:.6e} in their mean\n",
+                d.mse, d.rel_mse, d.largest, d.largest_mean,
+            ))
         }
-        Ok(())
     }
+}
+
+/// The mean of a pixel's channels.
+fn grey(p: &[f32; 3]) -> f64 {
+    p.iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0
 }
 
 /// Signed difference of the mean channel: white is none, red is A brighter, blue is B brighter. The square
 /// root makes small differences visible.
 fn difference(a: &Linear, b: &Linear, largest: f64) -> Linear {
-    let mean = |p: &[f32; 3]| f64::from(p[0] + p[1] + p[2]) / 3.0;
     let pixels = a
         .pixels
         .iter()
         .zip(&b.pixels)
         .map(|(p, q)| {
             let d = if largest > 0.0 {
-                (mean(p) - mean(q)) / largest
+                (grey(p) - grey(q)) / largest
             } else {
                 0.0
             };

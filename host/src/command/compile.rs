@@ -1,9 +1,8 @@
 //! `etendue compile`.
 
 use super::{Failure, define, warn};
-use crate::develop::{persist, temporary_beside};
+use crate::develop::{check_writable, write_files};
 use crate::scene::{Size, is_blob, prepare};
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Compile a scene to a blob that the kernel opens
@@ -11,7 +10,7 @@ use std::path::PathBuf;
 pub struct Compile {
     /// Mitsuba 3 scene (.xml)
     scene: PathBuf,
-    /// Blob to write, by custom named .etd
+    /// Blob to write (.etd)
     #[arg(short, long = "output", value_name = "OUT")]
     output: PathBuf,
     /// Value for $NAME in the scene; may be repeated
@@ -21,7 +20,6 @@ pub struct Compile {
 
 impl Compile {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let fail = |e: std::io::Error| format!("{}: can't be written: {e}", self.output.display());
         if !is_blob(&self.output) {
             return Err(format!(
                 "{}: expected a name that ends in .etd",
@@ -29,11 +27,10 @@ impl Compile {
             )
             .into());
         }
-        let mut file = temporary_beside(&self.output).map_err(fail)?;
+        check_writable(&self.output)?;
         let prepared = prepare(&self.scene, &self.define, Size::default())?;
         warn(&prepared.warnings);
-        file.write_all(prepared.blob.bytes()).map_err(fail)?;
-        persist(file, &self.output).map_err(fail)?;
+        write_files(&[(&self.output, prepared.blob.bytes())])?;
         eprintln!(
             "{}: {} bytes",
             self.output.display(),

@@ -1,11 +1,12 @@
 //! `etendue inspect`.
 
-use super::{Failure, define, warn};
+use super::{Failure, define, print, warn};
 use crate::scene::{Size, prepare};
 use etendue::Scene;
 use etendue::blob::format::{
     Header, NONE, Toc, WIDTH, child, emitter, material, needs, section, sensor,
 };
+use std::fmt::{self, Write};
 use std::path::PathBuf;
 
 /// Say what a scene or a blob holds, and what the kernel leaves out
@@ -24,12 +25,18 @@ impl Inspect {
         warn(&prepared.warnings);
         let bytes = prepared.blob.bytes();
         let scene = Scene::open(bytes).map_err(|e| e.to_string())?;
-        contents(&scene);
-        sizes(&scene, bytes);
-        tree(&scene);
-        left_out(&scene);
-        Ok(())
+        let report = report(&scene, bytes).map_err(|e| e.to_string())?;
+        print(&report)
     }
+}
+
+fn report(scene: &Scene<'_>, bytes: &[u8]) -> Result<String, fmt::Error> {
+    let mut out = String::new();
+    contents(&mut out, scene)?;
+    sizes(&mut out, scene, bytes)?;
+    tree(&mut out, scene)?;
+    left_out(&mut out, scene)?;
+    Ok(out)
 }
 
 fn count_kinds<T>(records: &[T], names: &[&str], kind: impl Fn(&T) -> u32) -> String {
@@ -47,7 +54,7 @@ fn count_kinds<T>(records: &[T], names: &[&str], kind: impl Fn(&T) -> u32) -> St
     }
 }
 
-fn contents(scene: &Scene<'_>) {
+fn contents(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
     let s = scene.sensor();
     let kind = match (s.kind, s.aperture > 0.0) {
         (sensor::ORTHOGRAPHIC, _) => "orthographic",
@@ -60,21 +67,24 @@ fn contents(scene: &Scene<'_>) {
         _ => "gaussian",
     };
     let [w, h] = scene.size();
-    println!(
+    writeln!(
+        out,
         "sensor      {kind}, {w} × {h} of {} × {}, {filter} filter of radius {}",
         s.resolution[0], s.resolution[1], s.filter_radius
-    );
+    )?;
     let world = scene.world();
-    println!(
+    writeln!(
+        out,
         "world       centre {:?}, radius {}",
         world.center, world.radius
-    );
-    println!("shapes      {}", scene.shapes().len());
-    println!(
+    )?;
+    writeln!(out, "shapes      {}", scene.shapes().len())?;
+    writeln!(
+        out,
         "primitives  {} triangles, {} spheres",
         scene.triangles().count(),
         scene.sphere_records().len()
-    );
+    )?;
     let names = [
         "diffuse",
         "mirror",
@@ -84,15 +94,17 @@ fn contents(scene: &Scene<'_>) {
         "sheet",
     ];
     debug_assert_eq!(names.len() as u32, material::SHEET + 1);
-    println!(
+    writeln!(
+        out,
         "materials   {}",
         count_kinds(scene.materials(), &names, |m| m.kind)
-    );
+    )?;
     let names = ["checkerboard", "sRGB image", "linear image", "float image"];
-    println!(
+    writeln!(
+        out,
         "textures    {}",
         count_kinds(scene.textures(), &names, |t| t.kind)
-    );
+    )?;
     let names = [
         "area",
         "point",
@@ -103,14 +115,16 @@ fn contents(scene: &Scene<'_>) {
         "cube map",
     ];
     debug_assert_eq!(names.len() as u32, emitter::CUBEMAP + 1);
-    println!(
+    writeln!(
+        out,
         "emitters    {} ({} ways to choose)",
         count_kinds(scene.emitters(), &names, |e| e.kind),
         scene.choices().len()
-    );
+    )?;
+    Ok(())
 }
 
-fn sizes(scene: &Scene<'_>, bytes: &[u8]) {
+fn sizes(out: &mut String, scene: &Scene<'_>, bytes: &[u8]) -> fmt::Result {
     let names = [
         "world",
         "sensor",
@@ -128,7 +142,7 @@ fn sizes(scene: &Scene<'_>, bytes: &[u8]) {
         "choices",
         "cells",
     ];
-    println!("\nsection         records       bytes");
+    writeln!(out, "\nsection         records       bytes")?;
     let from = size_of::<Header>();
     let table: &[Toc] =
         bytemuck::cast_slice(&bytes[from..from + section::ALL.len() * size_of::<Toc>()]);
@@ -138,20 +152,23 @@ fn sizes(scene: &Scene<'_>, bytes: &[u8]) {
         if (section::NODES..=section::UVS).contains(&entry.kind) {
             geometry += size;
         }
-        println!(
+        writeln!(
+            out,
             "{:<12} {:>10} {size:>11}",
             names[entry.kind as usize - 1],
             entry.count
-        );
+        )?;
     }
-    println!("{:<12} {:>10} {:>11}", "whole", "", bytes.len());
+    writeln!(out, "{:<12} {:>10} {:>11}", "whole", "", bytes.len())?;
     let triangles = scene.triangles().count();
     if triangles > 0 {
-        println!(
+        writeln!(
+            out,
             "geometry per triangle, shading data included: {:.1} bytes",
             geometry as f64 / triangles as f64
-        );
+        )?;
     }
+    Ok(())
 }
 
 /// Surface area of a box, halved.
@@ -160,7 +177,7 @@ fn half_area(low: [f32; 3], high: [f32; 3]) -> f64 {
     x * y + y * z + z * x
 }
 
-fn tree(scene: &Scene<'_>) {
+fn tree(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
     let nodes = scene.nodes();
     let mut children = 0;
     let mut leaves = 0;
@@ -188,29 +205,33 @@ fn tree(scene: &Scene<'_>) {
     }
     let area = half_area(root.0, root.1).max(f64::MIN_POSITIVE);
     let slots = scene.packets().len() * etendue::blob::format::LANES;
-    println!(
+    writeln!(
+        out,
         "\ntree        {} nodes, {leaves} leaves, {} levels, {:.2} of {WIDTH} children used",
         nodes.len(),
         scene.world().depth + 1,
         f64::from(children) / nodes.len() as f64
-    );
+    )?;
     if slots > 0 {
-        println!(
+        writeln!(
+            out,
             "packets     {:.1} % full",
             100.0 * scene.triangles().count() as f64 / slots as f64
-        );
+        )?;
     }
-    println!(
+    writeln!(
+        out,
         "SAH         a random ray through the scene's box visits {:.2} nodes and tests {:.2} packets or spheres",
         1.0 + visits / area,
         tests / area
-    );
+    )?;
+    Ok(())
 }
 
-fn left_out(scene: &Scene<'_>) {
-    println!("\nleft out, because the scene doesn't need it:");
-    println!("  media: no free flight, no transmittance");
-    println!("  wavelengths: paths carry RGB");
+fn left_out(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
+    writeln!(out, "\nleft out, because the scene doesn't need it:")?;
+    writeln!(out, "  media: no free flight, no transmittance")?;
+    writeln!(out, "  wavelengths: paths carry RGB")?;
     let lines = [
         (
             needs::MASKS | needs::NULL,
@@ -228,13 +249,14 @@ fn left_out(scene: &Scene<'_>) {
     ];
     for (bits, line) in lines {
         if !scene.has(bits) {
-            println!("  {line}");
+            writeln!(out, "  {line}")?;
         }
     }
     if scene.world().background == NONE {
-        println!("  background: what leaves the scene is black");
+        writeln!(out, "  background: what leaves the scene is black")?;
     }
     if scene.choices().is_empty() {
-        println!("  light: nothing emits");
+        writeln!(out, "  light: nothing emits")?;
     }
+    Ok(())
 }

@@ -1,5 +1,7 @@
 //! The program's commands, one file each.
 
+use std::io::Write;
+
 mod compare;
 mod compile;
 mod inspect;
@@ -20,6 +22,12 @@ impl From<String> for Failure {
     }
 }
 
+impl From<crate::develop::ImageError> for Failure {
+    fn from(error: crate::develop::ImageError) -> Self {
+        Self::Error(error.to_string())
+    }
+}
+
 /// What to do.
 #[derive(clap::Subcommand, Debug)]
 pub enum Command {
@@ -29,7 +37,7 @@ pub enum Command {
     Compile(compile::Compile),
     /// Say what a scene or a blob holds, and what the kernel leaves out
     Inspect(inspect::Inspect),
-    /// Compare two linear images
+    /// Compare two images: MSE, relMSE, bias, difference image
     Compare(compare::Compare),
 }
 
@@ -53,6 +61,17 @@ fn define(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.is_empty() => Ok((name.into(), value.into())),
         _ => Err("expected NAME=VALUE".into()),
+    }
+}
+
+/// Prints a result. A reader who has seen enough (`| head`) is no error.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(format!("standard output: can't be written: {e}").into())
+        }
+        _ => Ok(()),
     }
 }
 

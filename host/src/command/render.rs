@@ -1,7 +1,7 @@
 //! `etendue render`.
 
-use super::{Failure, define, warn};
-use crate::develop::{Curve, Linear, Output, Tone};
+use super::{Failure, define, print, warn};
+use crate::develop::{Curve, Linear, Output, Tone, write};
 use crate::render::{Budget, Options, Progress, Rendered, render};
 use crate::scene::{Size, prepare};
 use clap::ValueEnum;
@@ -17,6 +17,9 @@ use std::time::{Duration, Instant};
 const DEFAULT_SAMPLES: u64 = 64;
 
 /// Render a scene to images
+///
+/// Ctrl-C ends the render at a whole pass over the image, writes what there is and exits with 130; a second
+/// one ends it at once and writes nothing.
 #[derive(clap::Args, Debug)]
 pub struct Render {
     /// Mitsuba 3 scene (.xml) or compiled blob (.etd)
@@ -42,27 +45,29 @@ pub struct Render {
     /// Threads; the image doesn't depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     threads: Option<u32>,
-    /// Most edges of a path: 1 shows emitters, 2 adds direct light; -1 is no limit [default: what the scene says]
+    /// Most edges of a path: 1 shows emitters, 2 adds direct light; -1 is no limit [default: what the scene says, or no limit]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-1..))]
     max_depth: Option<i32>,
     /// Value for $NAME in the scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     define: Vec<(String, String)>,
-    /// Columns of the image
+    /// Columns of the image; with --width alone the shape is kept, with both the field of view across
     #[arg(long, value_name = "W")]
     width: Option<u32>,
-    /// Rows of the image
+    /// Rows of the image; with --height alone the shape is kept
     #[arg(long, value_name = "H")]
     height: Option<u32>,
-    /// PNG: stops of exposure, radiance × 2^EV
+    /// PNG: stops of exposure, -64 to 64; radiance × 2^EV comes before the tone curve
     #[arg(
         long,
         value_name = "EV",
         default_value_t = 0.0,
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        value_parser = stops
     )]
     exposure: f32,
-    /// PNG: none, reinhard, or gamma:a,c,γ, which is a·(x+c)^γ in place of the sRGB curve
+    /// PNG: none (clamped), reinhard (x/(1+x)), both sRGB-coded, or gamma:a,c,γ, which is a·(x+c)^γ in place of
+    /// the sRGB curve; gamma alone is gamma:1,0,0.4545
     #[arg(long, value_name = "CURVE", default_value = "none")]
     tonemap: Curve,
     /// End with one JSON object on standard output
@@ -95,6 +100,14 @@ enum HeuristicName {
     Maximum,
 }
 
+/// An exposure.
+fn stops(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok();
+    number
+        .filter(|ev| (-64.0..=64.0).contains(ev))
+        .ok_or_else(|| "expected a number from -64 to 64".into())
+}
+
 /// A number with a unit.
 fn duration(text: &str) -> Result<Duration, String> {
     let expected = || format!("expected a time like 500ms, 30s, 2m or 1h, found {text:?}");
@@ -122,7 +135,7 @@ impl Render {
         let outputs = self
             .output
             .iter()
-            .map(|path| Output::open(path).map_err(|e| e.to_string()))
+            .map(|path| Output::open(path))
             .collect::<Result<Vec<_>, _>>()?;
         let size = Size {
             width: self.width,
@@ -156,7 +169,8 @@ impl Render {
         let bar = self.progress_bar();
         let started = Instant::now();
         let watch = |p: Progress| show(&bar, p, started.elapsed());
-        let rendered = render(&scene, &options, &stop, &watch).map_err(|e| e.to_string())?;
+        let rendered = render(&scene, &options, &stop, &watch)
+            .map_err(|e| format!("{}: {e}", self.scene.display()))?;
         bar.finish_and_clear();
         let image = Linear {
             size: rendered.size,
@@ -166,10 +180,8 @@ impl Render {
             exposure: self.exposure,
             curve: self.tonemap,
         };
-        for output in outputs {
-            output.write(&image, tone).map_err(|e| e.to_string())?;
-        }
-        self.report(&rendered);
+        write(&outputs, &image, tone)?;
+        self.report(&rendered)?;
         if rendered.interrupted {
             Err(Failure::Interrupted)
         } else {
@@ -188,7 +200,7 @@ impl Render {
         bar
     }
 
-    fn report(&self, r: &Rendered) {
+    fn report(&self, r: &Rendered) -> Result<(), Failure> {
         let samples = r.passes * r.image.len() as u64;
         let rays = r.counters.closest_rays + r.counters.shadow_rays;
         let per_second = |n: u64| n as f64 / r.seconds.max(1e-9);
@@ -220,7 +232,7 @@ impl Render {
                     "film_invalid": r.refused.invalid,
                 },
             });
-            println!("{object}");
+            print(&format!("{object}\n"))?;
         } else if !self.quiet {
             eprintln!(
                 "{} × {}, {} samples per pixel in {:.2} s: {:.2} M samples/s, {:.2} M rays/s",
@@ -244,6 +256,7 @@ impl Render {
                 etendue::path::MAX_STEPS
             );
         }
+        Ok(())
     }
 }
 
@@ -261,6 +274,9 @@ fn catch_interrupt() -> Result<Arc<AtomicBool>, String> {
 }
 
 fn show(bar: &ProgressBar, p: Progress, elapsed: Duration) {
+    if bar.is_hidden() {
+        return;
+    }
     bar.set_position((p.done * 1000.0) as u64);
     let seconds = elapsed.as_secs_f64();
     let left = if p.done > 0.0 {

@@ -3,5 +3,5 @@
 mod file;
 mod tone;
 
-pub use file::{Format, ImageError, Linear, Output, persist, read, temporary_beside};
+pub use file::{Format, ImageError, Linear, Output, check_writable, read, write, write_files};
 pub use tone::{Curve, Tone};

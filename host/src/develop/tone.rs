@@ -1,5 +1,7 @@
 //! From radiance to what a screen shows.
 
+// The kernel's functions: the same bytes on every platform.
+use etendue::real::pow;
 use std::str::FromStr;
 
 /// Exposure and tone curve.
@@ -32,13 +34,31 @@ pub enum Curve {
 impl Tone {
     /// What is stored for one channel.
     pub fn apply(&self, x: f32) -> u8 {
-        let x = x * self.exposure.exp2();
+        let x = x * pow(2.0, self.exposure);
         let coded = match self.curve {
             Curve::None => srgb(x.clamp(0.0, 1.0)),
-            Curve::Reinhard => srgb((x / (1.0 + x)).clamp(0.0, 1.0)),
-            Curve::Gamma { a, c, gamma } => a * (x + c).max(0.0).powf(gamma),
+            Curve::Reinhard => srgb(reinhard(x.max(0.0))),
+            Curve::Gamma { a, c, gamma } => a * pow((x + c).max(0.0), gamma),
         };
         (coded.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+    }
+}
+
+/// x/(1 + x), also where x is too large to tell it from infinity.
+fn reinhard(x: f32) -> f32 {
+    if x < 1.0 {
+        x / (1.0 + x)
+    } else {
+        1.0 / (1.0 + 1.0 / x)
+    }
+}
+
+/// What [`srgb`] codes, from 0 to 1.
+pub(super) fn linear(coded: f32) -> f32 {
+    if coded <= 0.040_45 {
+        coded / 12.92
+    } else {
+        pow((coded + 0.055) / 1.055, 2.4)
     }
 }
 
@@ -47,7 +67,7 @@ fn srgb(x: f32) -> f32 {
     if x <= 0.003_130_8 {
         12.92 * x
     } else {
-        1.055 * x.powf(1.0 / 2.4) - 0.055
+        1.055 * pow(x, 1.0 / 2.4) - 0.055
     }
 }
 
@@ -56,7 +76,9 @@ impl FromStr for Curve {
 
     fn from_str(s: &str) -> Result<Self, String> {
         let expected = || {
-            format!("expected none, reinhard, gamma or gamma:a,c,γ with three numbers, found {s:?}")
+            format!(
+                "expected none, reinhard, gamma or gamma:a,c,γ with three numbers, a and γ above 0, found {s:?}"
+            )
         };
         match s.split_once(':') {
             None if s == "none" => Ok(Self::None),
@@ -73,7 +95,7 @@ impl FromStr for Curve {
                     .collect::<Option<_>>()
                     .ok_or_else(expected)?;
                 match numbers[..] {
-                    [a, c, gamma] => Ok(Self::Gamma { a, c, gamma }),
+                    [a, c, gamma] if a > 0.0 && gamma > 0.0 => Ok(Self::Gamma { a, c, gamma }),
                     _ => Err(expected()),
                 }
             }
@@ -97,7 +119,22 @@ mod tests {
         );
         let gamma: Curve = "gamma:2,0.25,1".parse().unwrap();
         assert_eq!(tone(0.0, gamma).apply(0.0), 128);
-        for bad in ["gamma:1,2", "gamma:a,b,c", "Gamma", "gamma:1,nan,1"] {
+        for curve in [Curve::None, Curve::Reinhard, gamma] {
+            assert_eq!(tone(200.0, curve).apply(1.0), 255, "{curve:?}");
+        }
+        for coded in 0..=255 {
+            let x = super::linear(f32::from(coded) / 255.0);
+            assert_eq!(tone(0.0, Curve::None).apply(x), coded);
+        }
+        let bad = [
+            "gamma:1,2",
+            "gamma:a,b,c",
+            "Gamma",
+            "gamma:1,nan,1",
+            "gamma:1,0,0",
+            "gamma:-1,0,1",
+        ];
+        for bad in bad {
             assert!(bad.parse::<Curve>().is_err(), "{bad}");
         }
     }

@@ -16,8 +16,10 @@ pub(super) struct Spending {
     budget: Budget,
 }
 
-/// Passes in a batch at most: what Ctrl-C has to wait for.
-const LARGEST_BATCH: u64 = 16;
+/// Passes in a batch at most.
+const LARGEST_BATCH: u64 = 64;
+/// What a batch should take, in seconds: Ctrl-C has to wait for it, and so have all threads for the slowest.
+const BATCH_SECONDS: f64 = 0.5;
 
 impl Budget {
     pub(super) fn begin(self) -> Spending {
@@ -27,28 +29,67 @@ impl Budget {
 
 impl Spending {
     /// How many passes to do next; `None` if the budget is spent.
-    pub fn next(&mut self, done: u64, elapsed: Duration) -> Option<u64> {
+    pub fn next(&self, done: u64, elapsed: Duration) -> Option<u64> {
+        // The first pass tells the speed.
+        let fit = |seconds: f64| {
+            let per_pass = elapsed.as_secs_f64() / done.max(1) as f64;
+            let most = if done == 0 { 1 } else { LARGEST_BATCH };
+            ((seconds / per_pass) as u64).clamp(1, most)
+        };
         match self.budget {
-            Budget::Passes(n) => (done < n).then(|| (n - done).min(LARGEST_BATCH)),
+            Budget::Passes(n) => (done < n).then(|| fit(BATCH_SECONDS).min(n - done)),
             Budget::Time(limit) => {
-                if done == 0 {
-                    return Some(1);
-                }
-                let left = limit.checked_sub(elapsed)?;
-                // What fits into a quarter of the rest, by the speed so far: the end is met to within a pass.
-                let per_pass = elapsed.as_secs_f64() / done as f64;
-                let fits = (0.25 * left.as_secs_f64() / per_pass) as u64;
-                (!left.is_zero()).then(|| fits.clamp(1, LARGEST_BATCH))
+                let left = limit.saturating_sub(elapsed);
+                // A quarter of the rest, so that the end is met to within a pass.
+                (done == 0 || !left.is_zero())
+                    .then(|| fit(BATCH_SECONDS.min(0.25 * left.as_secs_f64())))
             }
         }
     }
 
-    /// The share that is spent, within a batch of which `part` is done.
-    pub fn share(&self, done: u64, batch: u64, part: f64, elapsed: Duration) -> f64 {
+    /// The share that is spent after `done` passes, fractions included.
+    pub fn share(&self, done: f64, elapsed: Duration) -> f64 {
         let share = match self.budget {
-            Budget::Passes(n) => (done as f64 + batch as f64 * part) / n.max(1) as f64,
+            Budget::Passes(n) => done / n.max(1) as f64,
             Budget::Time(limit) => elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9),
         };
         share.clamp(0.0, 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Budget;
+    use std::time::Duration;
+
+    #[test]
+    fn passes_are_spent_exactly_and_slow_ones_singly() {
+        let budget = Budget::Passes(100).begin();
+        let (mut done, mut fast) = (0, Duration::ZERO);
+        while let Some(batch) = budget.next(done, fast) {
+            done += batch;
+            fast += Duration::from_micros(batch);
+        }
+        assert_eq!(done, 100);
+        let slow = Duration::from_secs(30);
+        assert_eq!(budget.next(0, Duration::ZERO), Some(1));
+        assert_eq!(budget.next(3, slow), Some(1));
+        assert_eq!(Budget::Passes(0).begin().next(0, Duration::ZERO), None);
+    }
+
+    #[test]
+    fn time_ends_with_the_pass_that_reaches_it() {
+        let budget = Budget::Time(Duration::from_secs(10)).begin();
+        let pass = Duration::from_millis(300);
+        let (mut done, mut elapsed) = (0, Duration::ZERO);
+        while let Some(batch) = budget.next(done, elapsed) {
+            done += batch;
+            elapsed += pass * batch as u32;
+        }
+        assert_eq!(done, 34);
+        // A pass at least, however short the time.
+        let none = Budget::Time(Duration::ZERO).begin();
+        assert_eq!(none.next(0, pass), Some(1));
+        assert_eq!(none.next(1, pass), None);
     }
 }

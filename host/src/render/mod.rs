@@ -2,19 +2,20 @@
 //! films add integers, so neither threads nor tiles matter.
 
 mod budget;
+mod tiles;
 
 pub use budget::Budget;
 
 use etendue::film::{Refused, Step, Sum, merge};
-use etendue::{Counters, Rgb, Scene, Scratch, Settings};
+use etendue::{Counters, Estimator, Scene, Scratch, Settings};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
+use tiles::{Tile, cut, film};
 
 /// Vertices that a light walk keeps.
 const CAPACITY: usize = 32;
-/// Rows and columns of a tile.
-const TILE: u32 = 16;
 
 /// How to render.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +43,7 @@ pub struct Rendered {
     pub counters: Counters,
     /// What the film refused.
     pub refused: Refused,
-    /// Whether it was told to stop early.
+    /// Whether it was told to stop, and did so before its budget was spent.
     pub interrupted: bool,
 }
 
@@ -57,193 +58,187 @@ pub struct Progress {
     pub done: f64,
 }
 
-/// Why a render can't begin.
+/// Why an image can't be rendered.
 #[derive(Debug, thiserror::Error)]
-#[error("can't start {threads} threads: {source}")]
-pub struct ThreadError {
-    threads: usize,
-    source: rayon::ThreadPoolBuildError,
+pub enum RenderError {
+    /// The operating system gives no threads.
+    #[error("can't start {threads} threads: {source}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What rayon says.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// The image's sums don't fit into memory.
+    #[error("not enough memory for an image of {} × {} pixels", .size[0], .size[1])]
+    TooLarge {
+        /// Columns and rows.
+        size: [u32; 2],
+    },
 }
 
 /// What a thread works in and adds to.
 struct Worker {
     scratch: Box<Scratch<CAPACITY>>,
+    /// What its samples give to other pixels; empty for an estimator that gives nothing.
     splats: Vec<Sum>,
     refused: Refused,
 }
 
-/// Renders `scene`. `stop` ends it after the pass it is in; `watch` is told of the progress, now and then.
+/// What all threads share during a render.
+struct Job<'a> {
+    scene: &'a Scene<'a>,
+    settings: Settings,
+    step: Step,
+    size: [u32; 2],
+}
+
+/// Renders `scene`. `stop` ends it after the batch of passes it is in, half a second or one pass long; `watch`
+/// is told of the progress by all threads, tile by tile.
 ///
 /// # Errors
-/// If the threads can't be started.
+/// If the threads can't be started or the image doesn't fit into memory.
 pub fn render(
     scene: &Scene<'_>,
     options: &Options,
     stop: &AtomicBool,
     watch: &(dyn Fn(Progress) + Sync),
-) -> Result<Rendered, ThreadError> {
+) -> Result<Rendered, RenderError> {
+    let threads = options.threads;
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads)
+        .num_threads(threads)
         .build()
-        .map_err(|source| ThreadError {
-            threads: options.threads,
-            source,
-        })?;
-    Ok(pool.install(|| passes(scene, options, stop, watch)))
+        .map_err(|source| RenderError::Threads { threads, source })?;
+    let job = Job {
+        scene,
+        settings: options.settings,
+        step: Step::new(scene.film_exponent()),
+        size: scene.size(),
+    };
+    pool.install(|| job.run(options.budget, stop, watch))
 }
 
-fn passes(
-    scene: &Scene<'_>,
-    options: &Options,
-    stop: &AtomicBool,
-    watch: &(dyn Fn(Progress) + Sync),
-) -> Rendered {
-    let [width, height] = scene.size();
-    let pixels = u64::from(width) * u64::from(height);
-    let step = Step::new(scene.film_exponent());
-    let mut samples = vec![[0; 3]; pixels as usize];
-    let workers = workers(rayon::current_num_threads(), pixels as usize);
-    let started = Instant::now();
-    let mut budget = options.budget.begin();
-    let mut done = 0;
-    // Whole passes, several at a time: each tile renders all its samples of a batch in one go.
-    while let Some(batch) = budget.next(done, started.elapsed()) {
-        let finished = AtomicU64::new(0);
-        bands(&mut samples, width)
-            .par_bridge()
-            .for_each(|(first_row, rows)| {
+impl Job<'_> {
+    fn run(
+        &self,
+        budget: Budget,
+        stop: &AtomicBool,
+        watch: &(dyn Fn(Progress) + Sync),
+    ) -> Result<Rendered, RenderError> {
+        let mut samples = film(self.size)?;
+        let pixels = samples.len() as u64;
+        let mut tiles = cut(&mut samples, self.size);
+        let workers = (0..rayon::current_num_threads())
+            .map(|_| Ok(Mutex::new(Worker::new(self)?)))
+            .collect::<Result<Vec<_>, RenderError>>()?;
+        let started = Instant::now();
+        let budget = budget.begin();
+        let (mut done, mut interrupted) = (0, false);
+        // Whole passes, several at a time: each tile renders all its samples of a batch in one go.
+        while let Some(batch) = budget.next(done, started.elapsed()) {
+            if stop.load(Ordering::Relaxed) && done > 0 {
+                interrupted = true;
+                break;
+            }
+            let finished = AtomicU64::new(done * pixels);
+            tiles.par_iter_mut().with_max_len(1).for_each(|tile| {
                 let worker = &workers[rayon::current_thread_index().unwrap_or(0)];
                 // Nobody else has this thread's worker: the lock is free.
-                let mut worker = worker
-                    .lock()
-                    .unwrap_or_else(std::sync::PoisonError::into_inner);
-                for tile in 0..width.div_ceil(TILE) {
-                    let columns = tile * TILE..((tile + 1) * TILE).min(width);
-                    for (y, row) in rows.chunks_mut(width as usize).enumerate() {
-                        for x in columns.clone() {
-                            let pixel = [x, first_row + y as u32];
-                            for index in done..done + batch {
-                                let value = worker.sample(
-                                    scene,
-                                    &options.settings,
-                                    step,
-                                    pixel,
-                                    index,
-                                    width,
-                                );
-                                step.add(&mut row[x as usize], value, &mut worker.refused);
-                            }
-                        }
-                    }
-                    let rows = (rows.len() / width as usize) as u64;
-                    let n = u64::from(columns.end - columns.start) * rows * batch;
-                    let all = finished.fetch_add(n, Ordering::Relaxed) + n;
-                    let part = all as f64 / (pixels * batch) as f64;
-                    watch(Progress {
-                        passes: done,
-                        samples: done * pixels + all,
-                        done: budget.share(done, batch, part, started.elapsed()),
-                    });
-                }
+                let mut worker = worker.lock().unwrap_or_else(PoisonError::into_inner);
+                worker.render(self, tile, done..done + batch);
+                drop(worker);
+                let added = tile.len() * batch;
+                let samples = finished.fetch_add(added, Ordering::Relaxed) + added;
+                let passes = samples as f64 / pixels as f64;
+                watch(Progress {
+                    passes: passes as u64,
+                    samples,
+                    done: budget.share(passes, started.elapsed()),
+                });
             });
-        done += batch;
-        if stop.load(Ordering::Relaxed) {
-            break;
+            done += batch;
         }
+        let seconds = started.elapsed().as_secs_f64();
+        let mut rendered = Rendered {
+            size: self.size,
+            image: Vec::new(),
+            passes: done,
+            seconds,
+            counters: Counters::default(),
+            refused: Refused::default(),
+            interrupted,
+        };
+        let mut splats = Vec::new();
+        for worker in workers {
+            let worker = worker.into_inner().unwrap_or_else(PoisonError::into_inner);
+            rendered.counters += worker.scratch.counters;
+            rendered.refused += worker.refused;
+            if splats.is_empty() {
+                splats = worker.splats;
+            } else {
+                splats
+                    .par_iter_mut()
+                    .zip(&worker.splats)
+                    .for_each(|(sum, other)| merge(sum, other));
+            }
+        }
+        rendered.image = self.resolve(tiles, &splats, done);
+        Ok(rendered)
     }
-    let seconds = started.elapsed().as_secs_f64();
-    develop(
-        samples,
-        workers,
-        step,
-        [width, height],
-        done,
-        seconds,
-        stop.load(Ordering::Relaxed),
-    )
+
+    /// The image, row by row.
+    fn resolve(&self, tiles: Vec<Tile<'_>>, splats: &[Sum], passes: u64) -> Vec<[f32; 3]> {
+        let [width, height] = self.size.map(u64::from);
+        let pixels = width * height;
+        let mut image = vec![[0.0; 3]; pixels as usize];
+        for mut tile in tiles {
+            for ([x, y], own) in tile.pixels() {
+                let at = y as usize * width as usize + x as usize;
+                let splat = splats.get(at).unwrap_or(&[0; 3]);
+                // The kernel has scaled splats by 1/pixels; one light walk goes with each sample of each pixel,
+                // so that of their number, pixels · passes, only the passes are left to divide by.
+                let value = self.step.resolve(own, splat, passes, passes, 1);
+                image[at] = value.map(|x| x as f32);
+            }
+        }
+        image
+    }
 }
 
 impl Worker {
-    #[inline]
-    fn sample(
-        &mut self,
-        scene: &Scene<'_>,
-        settings: &Settings,
-        step: Step,
-        pixel: [u32; 2],
-        index: u64,
-        width: u32,
-    ) -> Rgb {
+    fn new(job: &Job<'_>) -> Result<Self, RenderError> {
+        let splats = match job.settings.estimator {
+            Estimator::Path => Vec::new(),
+            _ => film(job.size)?,
+        };
+        Ok(Self {
+            scratch: Box::new(Scratch::new()),
+            splats,
+            refused: Refused::default(),
+        })
+    }
+
+    /// Adds the samples `indices` of each pixel of a tile.
+    fn render(&mut self, job: &Job<'_>, tile: &mut Tile<'_>, indices: std::ops::Range<u64>) {
         let Self {
             scratch,
             splats,
             refused,
         } = self;
-        scene.estimate(settings, pixel, index, scratch, &mut |[x, y], value| {
-            if let Some(sum) = splats.get_mut((y * width + x) as usize) {
+        let step = job.step;
+        for (pixel, sum) in tile.pixels() {
+            for index in indices.clone() {
+                let splat = &mut |[x, y]: [u32; 2], value| {
+                    let at = y as usize * job.size[0] as usize + x as usize;
+                    if let Some(sum) = splats.get_mut(at) {
+                        step.add(sum, value, refused);
+                    }
+                };
+                let value = job
+                    .scene
+                    .estimate(&job.settings, pixel, index, scratch, splat);
                 step.add(sum, value, refused);
             }
-        })
-    }
-}
-
-fn workers(count: usize, pixels: usize) -> Vec<std::sync::Mutex<Worker>> {
-    let worker = || Worker {
-        scratch: Box::new(Scratch::new()),
-        splats: vec![[0; 3]; pixels],
-        refused: Refused::default(),
-    };
-    (0..count.max(1)).map(|_| worker().into()).collect()
-}
-
-/// The image in bands of [`TILE`] rows, each with its first row's number.
-fn bands(samples: &mut [Sum], width: u32) -> impl Iterator<Item = (u32, &mut [Sum])> + Send {
-    let rows = TILE as usize * width as usize;
-    samples
-        .chunks_mut(rows)
-        .enumerate()
-        .map(|(i, band)| (i as u32 * TILE, band))
-}
-
-fn develop(
-    samples: Vec<Sum>,
-    workers: Vec<std::sync::Mutex<Worker>>,
-    step: Step,
-    size: [u32; 2],
-    passes: u64,
-    seconds: f64,
-    interrupted: bool,
-) -> Rendered {
-    let mut counters = Counters::default();
-    let mut refused = Refused::default();
-    let mut splats = vec![[0; 3]; samples.len()];
-    for worker in workers {
-        let worker = worker
-            .into_inner()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        counters += worker.scratch.counters;
-        refused += worker.refused;
-        for (sum, other) in splats.iter_mut().zip(&worker.splats) {
-            merge(sum, other);
         }
-    }
-    // A splat already counts 1/n of the image's light walks, one of which goes with each sample: both
-    // sums are divided by the samples per pixel.
-    let image = samples
-        .iter()
-        .zip(&splats)
-        .map(|(own, splat)| {
-            let (a, b) = (step.mean(own, passes), step.mean(splat, passes));
-            std::array::from_fn(|c| (a[c] + b[c]) as f32)
-        })
-        .collect();
-    Rendered {
-        size,
-        image,
-        passes,
-        seconds,
-        counters,
-        refused,
-        interrupted,
     }
 }
