@@ -198,11 +198,10 @@ fn the_same_bits_on_any_number_of_threads_and_from_a_blob() {
             bytes(&at, out)
         };
         let first = render("scene.xml", "1.exr", "1");
-        assert_eq!(first, render("scene.xml", "2.exr", "2"), "{estimator}");
-        assert_eq!(first, render("scene.xml", "3.exr", "3"), "{estimator}");
-        assert_eq!(
-            first,
-            render("scene.etd", "4.exr", "2"),
+        assert!(first == render("scene.xml", "2.exr", "2"), "{estimator}");
+        assert!(first == render("scene.xml", "3.exr", "3"), "{estimator}");
+        assert!(
+            first == render("scene.etd", "4.exr", "2"),
             "{estimator} from the blob"
         );
     }
@@ -237,7 +236,7 @@ fn time_ends_with_a_whole_pass() {
             "--quiet",
         ],
     );
-    assert_eq!(bytes(&at, "time.exr"), bytes(&at, "spp.exr"));
+    assert!(bytes(&at, "time.exr") == bytes(&at, "spp.exr"));
 }
 
 #[test]

@@ -260,7 +260,7 @@ fn what_was_there_stays() {
     assert_eq!(std::fs::read(at.join("x.png")).unwrap(), b"old");
 }
 
-/// An image whose sums no memory holds.
+/// A size that films do not have.
 #[test]
 fn an_image_too_large() {
     let (_keep, at) = folder();
