@@ -5,7 +5,7 @@
 pub struct BlobError {
     /// What is wrong.
     pub problem: Problem,
-    /// In which section ([`section`]); 0 is the header or the table of contents.
+    /// In which section ([`super::format::section`]); 0 is the header or the table of contents.
     pub section: u32,
     /// At which record.
     pub index: u32,
