@@ -1,6 +1,6 @@
 //! Lambert's law, reflecting and transmitting: f = k_r/π on wo's side, k_t/π on the other.
 
-use super::{Local, Mode, Scatter};
+use super::{Local, Mode, Scatter, same_side};
 use crate::real::{INV_PI, Real, Vec3};
 use crate::spectrum::Spectrum;
 use crate::warp;
@@ -29,7 +29,7 @@ impl<S: Spectrum> Diffuse<S> {
 impl<S: Spectrum> Local<S> for Diffuse<S> {
     #[inline(always)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> S {
-        let k = if wo.z * wi.z > 0.0 {
+        let k = if same_side(wo, wi) {
             self.reflectance
         } else {
             self.transmittance
@@ -40,7 +40,7 @@ impl<S: Spectrum> Local<S> for Diffuse<S> {
     #[inline(always)]
     fn pdf(&self, w: Vec3, wi: Vec3, _: Mode) -> Real {
         let p = self.reflect_probability();
-        let lobe = if w.z * wi.z > 0.0 { p } else { 1.0 - p };
+        let lobe = if same_side(w, wi) { p } else { 1.0 - p };
         lobe * warp::cosine_hemisphere_pdf(wi.z.abs())
     }
 
