@@ -15,14 +15,19 @@ pub struct Diffuse<S> {
 }
 
 impl<S: Spectrum> Diffuse<S> {
-    /// Probability of choosing reflection.
+    /// Probabilities of reflection and of transmission; both 0 if the surface is black.
     #[inline(always)]
-    fn reflect_probability(&self) -> Real {
+    fn probabilities(&self) -> (Real, Real) {
         let (r, t) = (
             self.reflectance.max_channel(),
             self.transmittance.max_channel(),
         );
-        if t == 0.0 { 1.0 } else { r / (r + t) }
+        // Most surfaces transmit nothing: no division for them.
+        if t == 0.0 {
+            return (if r > 0.0 { 1.0 } else { 0.0 }, 0.0);
+        }
+        let p = r / (r + t);
+        (p, 1.0 - p)
     }
 }
 
@@ -39,23 +44,23 @@ impl<S: Spectrum> Local<S> for Diffuse<S> {
 
     #[inline(always)]
     fn pdf(&self, w: Vec3, wi: Vec3, _: Mode) -> Real {
-        let p = self.reflect_probability();
-        let lobe = if same_side(w, wi) { p } else { 1.0 - p };
-        lobe * warp::cosine_hemisphere_pdf(wi.z.abs())
+        let (reflect, transmit) = self.probabilities();
+        let p = if same_side(w, wi) { reflect } else { transmit };
+        p * warp::cosine_hemisphere_pdf(wi.z.abs())
     }
 
     #[inline(always)]
     fn sample(&self, w: Vec3, _: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>> {
-        if !self.has_smooth() {
+        let (reflect, transmit) = self.probabilities();
+        let transmitted = lobe >= reflect;
+        let (k, p) = if transmitted {
+            (self.transmittance, transmit)
+        } else {
+            (self.reflectance, reflect)
+        };
+        if p <= 0.0 {
             return None;
         }
-        let p = self.reflect_probability();
-        let transmitted = lobe >= p;
-        let (k, p) = if transmitted {
-            (self.transmittance, 1.0 - p)
-        } else {
-            (self.reflectance, p)
-        };
         let up = warp::cosine_hemisphere(xi);
         let wi = if (w.z < 0.0) == transmitted {
             up

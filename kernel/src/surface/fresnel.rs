@@ -17,16 +17,15 @@ pub struct Dielectric {
 ///
 /// With a = n₁·cos_i, b = n₂·cos_t: R_s = ((a−b)/(a+b))², 1 − R_s = 4ab/(a+b)²; R_p likewise with
 /// a = n₂·cos_i, b = n₁·cos_t. Neither form cancels: a − b is (a² − b²)/(a + b), and
-/// a² − b² = n₁² − n₂² whatever the angle (for p: (n₂² − n₁²)(1 − sin²(1 + n₁²/n₂²))).
+/// a² − b² = n₁² − n₂² whatever the angle (for p: (n₂² − n₁²)(1 − sin²(1 + n₁²/n₂²))). The smaller of R
+/// and 1 − R comes from its formula, the other is its complement: they add up to 1 even where b has lost
+/// digits, close to the critical angle.
 ///
 /// Both indices and not their quotient: seen from inside, 1/1.0001 would round 1 − 1/1.0001 by 3·10⁻⁴.
 #[inline(always)]
 pub fn dielectric(from: Real, to: Real, cos_i: Real) -> Dielectric {
-    let sin_squared = (1.0 - cos_i) * (1.0 + cos_i);
-    // n₂² − n₁²sin²_i = (n₂² − n₁²) + n₁²cos²_i: no cancellation for indices close to each other.
-    let excess = (to - from) * (to + from);
-    let a = from * cos_i;
-    let b_squared = excess + square(a);
+    let sin_squared = sin_squared(cos_i);
+    let b_squared = refracted_squared(from, to, cos_i, sin_squared);
     if b_squared <= 0.0 {
         return Dielectric {
             reflected: 1.0,
@@ -36,16 +35,36 @@ pub fn dielectric(from: Real, to: Real, cos_i: Real) -> Dielectric {
     }
     let b = sqrt(b_squared);
     let cos_t = b / to;
-    let s = part(a, b, -excess);
+    let excess = (to - from) * (to + from);
+    let s = part(from * cos_i, b, -excess);
     let p = part(
         to * cos_i,
         from * cos_t,
         excess * (1.0 - sin_squared * (1.0 + square(from / to))),
     );
+    let (r, t) = (0.5 * (s.0 + p.0), 0.5 * (s.1 + p.1));
+    let (reflected, transmitted) = if r < t { (r, 1.0 - r) } else { (1.0 - t, t) };
     Dielectric {
-        reflected: 0.5 * (s.0 + p.0),
-        transmitted: 0.5 * (s.1 + p.1),
+        reflected,
+        transmitted,
         cos_t,
+    }
+}
+
+/// 1 − cos²; 0 for a cosine that rounding left above 1.
+#[inline(always)]
+fn sin_squared(cos: Real) -> Real {
+    ((1.0 - cos) * (1.0 + cos)).max(0.0)
+}
+
+/// n₂² − n₁²sin²_i, which is (n₂cos_t)², in the form of which less is lost: at grazing angles
+/// (n₂² − n₁²) + n₁²cos²_i, which keeps its digits for indices close to each other.
+#[inline(always)]
+fn refracted_squared(from: Real, to: Real, cos_i: Real, sin_squared: Real) -> Real {
+    if sin_squared < 0.5 {
+        square(to) - square(from) * sin_squared
+    } else {
+        (to - from) * (to + from) + square(from * cos_i)
     }
 }
 
@@ -86,8 +105,8 @@ pub fn schlick(from: Real, to: Real, cos_i: Real) -> Dielectric {
 /// R_p = R_s·((a·cos − sin²)² + (b·cos)²)/((a·cos + sin²)² + (b·cos)²), all sums of squares.
 #[inline(always)]
 pub fn conductor(eta: Real, k: Real, cos_i: Real) -> Real {
-    let sin_squared = (1.0 - cos_i) * (1.0 + cos_i);
-    let real = (eta - k) * (eta + k) - sin_squared;
+    let sin_squared = sin_squared(cos_i);
+    let real = refracted_squared(1.0, eta, cos_i, sin_squared) - square(k);
     let imaginary = 2.0 * eta * k;
     // The larger of a, b by the sum that doesn't cancel, the other from 2ab = imaginary: metals have η ≪ k,
     // where a² = (|·| + real)/2 would lose all its digits, and with them the absorption.
