@@ -333,3 +333,53 @@ fn scale_and_place_do_not_matter() {
         }
     }
 }
+
+/// Rays from the focus leave a paraboloid parallel to its axis: a lamp far up, as wide as the mirror, is all they meet.
+#[test]
+fn the_focus_of_a_paraboloid() {
+    for (rim, tag) in [(1.0f32, "a1_f1"), (2.0, "a2_f1")] {
+        let mut b = Builder::new();
+        let mirror = Some(b.mirror(1.0));
+        let (rings, sectors) = (64u32, 512u32);
+        let mut mesh = Mesh::default();
+        let mut normals = Vec::new();
+        for i in 0..=rings {
+            // The innermost ring is a tiny hole that nobody sees through: nothing lies behind it.
+            let r = rim * (i as f32 / rings as f32).max(1e-4);
+            for j in 0..sectors {
+                let (sin, cos) = (2.0 * std::f32::consts::PI * j as f32 / sectors as f32).sin_cos();
+                mesh.positions.push([r * cos, r * sin, 0.25 * r * r]);
+                let slope = glam::Vec3::new(-0.5 * r * cos, -0.5 * r * sin, 1.0).normalize();
+                normals.push(slope.into());
+            }
+        }
+        for i in 0..rings {
+            for j in 0..sectors {
+                let at = |i: u32, j: u32| i * sectors + j % sectors;
+                mesh.triangles
+                    .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                mesh.triangles
+                    .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+        mesh.normals = Some(normals);
+        b.shape(Geometry::Mesh(mesh), mirror);
+        // A little wider than the mirror: facets and rounding spread the rays.
+        let half = 1.05 * rim;
+        lamp(
+            &mut b,
+            [-half, -half, 20.0],
+            [0.0, 2.0 * half, 0.0],
+            [2.0 * half, 0.0, 0.0],
+        );
+        let focus = Ask::Irradiance([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
+        ask(
+            &blob(&b.description),
+            &format!("paraboloid_{tag}"),
+            focus,
+            1500,
+            None,
+            0.01,
+        );
+    }
+}
