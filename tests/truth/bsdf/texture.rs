@@ -209,46 +209,78 @@ fn coordinates_from_nowhere_are_survived() {
     }
 }
 
-/// A material's colour is its constant times its texture; no texture, or none of that id, is white.
+/// A material's colour in a role is that role's constant times its texture; no texture, or none of that id, is
+/// white.
 #[test]
 fn materials_multiply_their_textures() {
-    let words = floats(&[0.5]);
+    let words = floats(&[0.5, 0.25]);
+    let half = image(texture::FLOAT, 0, 1, 1);
     let view = TextureView {
-        textures: &[image(texture::FLOAT, 0, 1, 1)],
+        textures: &[half, Texture { texels: 3, ..half }],
         texels: &words,
     };
     let mut m = Material {
-        kind: material::DIFFUSE,
+        kind: material::SHEET,
         flags: 0,
-        ior: 1.0,
+        ior: 1.25,
         reserved: 0,
-        color: [[0.5, 0.25, 1.0]; 4],
-        texture: [0, NONE, 7, NONE],
-        eta: [1.0; 3],
-        k: [0.0; 3],
+        color: [
+            [0.5, 0.25, 1.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+        ],
+        texture: [0, NONE, 7, 1],
+        eta: [0.5, 1.0, 2.0],
+        k: [4.0, 3.0, 0.0],
         reserved2: [0; 6],
     };
-    let Surface::Diffuse(d) = Surface::<Rgb>::resolve(&m, view, [0.5; 2]) else {
-        panic!("another kind than it says");
-    };
-    assert_eq!(channels(d.reflectance), [0.25, 0.125, 0.5]);
-    assert_eq!(channels(d.transmittance), [0.5, 0.25, 1.0]);
-    m.kind = material::SHEET;
-    let Surface::Sheet(s) = Surface::<Rgb>::resolve(&m, view, [0.5; 2]) else {
-        panic!("another kind than it says");
-    };
-    assert_eq!(channels(s.specular_reflectance), [0.25, 0.125, 0.5]);
-    assert_eq!(channels(s.specular_transmittance), [0.5, 0.25, 1.0]);
-    assert_eq!(channels(s.diffuse.reflectance), [0.5, 0.25, 1.0]);
-    m.kind = material::DIELECTRIC;
-    m.ior = 1.25;
-    m.flags = material::SCHLICK;
-    let Surface::Dielectric(d) = Surface::<Rgb>::resolve(&m, view, [0.5; 2]) else {
-        panic!("another kind than it says");
-    };
-    assert!(d.schlick && d.ior == 1.25);
-    assert_eq!(channels(d.reflectance), [0.25, 0.125, 0.5]);
-    assert_eq!(channels(d.transmittance), [0.5, 0.25, 1.0]);
+    let expected = [
+        [0.25, 0.125, 0.5],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 0.25],
+    ];
+    let kinds = [
+        material::DIFFUSE,
+        material::MIRROR,
+        material::CONDUCTOR,
+        material::DIELECTRIC,
+        material::NULL,
+        material::SHEET,
+    ];
+    for kind in kinds {
+        for flags in [0, material::SCHLICK] {
+            (m.kind, m.flags) = (kind, flags);
+            let (found, colors) = match Surface::<Rgb>::resolve(&m, view, [0.5; 2]) {
+                Surface::Diffuse(d) => (material::DIFFUSE, vec![d.reflectance, d.transmittance]),
+                Surface::Mirror(s) => (material::MIRROR, vec![s.reflectance]),
+                Surface::Conductor(c) => {
+                    assert_eq!(channels(c.eta), [0.5, 1.0, 2.0]);
+                    assert_eq!(channels(c.k), [4.0, 3.0, 0.0]);
+                    (material::CONDUCTOR, vec![c.reflectance])
+                }
+                Surface::Dielectric(d) => {
+                    assert!(d.ior == 1.25 && d.schlick == (flags == material::SCHLICK));
+                    (material::DIELECTRIC, vec![d.reflectance, d.transmittance])
+                }
+                Surface::Null(_) => (material::NULL, vec![]),
+                Surface::Sheet(s) => (
+                    material::SHEET,
+                    vec![
+                        s.specular_reflectance,
+                        s.specular_transmittance,
+                        s.diffuse.reflectance,
+                        s.diffuse.transmittance,
+                    ],
+                ),
+            };
+            assert_eq!(found, kind);
+            for (role, color) in colors.into_iter().enumerate() {
+                assert_eq!(channels(color), expected[role], "kind {kind}, role {role}");
+            }
+        }
+    }
     assert_eq!(view.opacity(0, [0.0; 2]), 0.5);
     assert_eq!(view.opacity(NONE, [0.0; 2]), 1.0);
 }
