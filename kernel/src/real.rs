@@ -13,7 +13,7 @@ mod precision {
     pub use core::f32::consts;
     pub use libm::{
         acosf as acos, asinf as asin, atan2f as atan2, cosf as cos, erff as erf, expf as exp,
-        logf as log, powf as pow, sinf as sin, sqrtf as sqrt, tanf as tan,
+        expm1f as expm1, logf as log, powf as pow, sinf as sin, sqrtf as sqrt, tanf as tan,
     };
 
     /// ξ ∈ [0, 1) from 32 random bits: the upper 24, so that the result is exact and below 1.
@@ -33,7 +33,7 @@ mod precision {
     /// Three `Real`s.
     pub type Vec3 = glam::DVec3;
     pub use core::f64::consts;
-    pub use libm::{acos, asin, atan2, cos, erf, exp, log, pow, sin, sqrt, tan};
+    pub use libm::{acos, asin, atan2, cos, erf, exp, expm1, log, pow, sin, sqrt, tan};
 
     /// ξ ∈ [0, 1) from 32 random bits, all of them: the same ξ as in single precision up to rounding,
     /// so that the two precisions walk the same paths.

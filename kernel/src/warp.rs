@@ -2,8 +2,7 @@
 //!
 //! Everything accepts 0 and the largest number below 1 and answers with finite numbers.
 
-use crate::real::consts::FRAC_1_SQRT_2;
-use crate::real::{INV_PI, PI, Real, Vec3, cos, erf, exp, safe_sqrt, sin, sqrt};
+use crate::real::{INV_PI, PI, Real, Vec3, cos, erf, exp, expm1, safe_sqrt, sin, sqrt};
 
 /// Uniform in the unit disc: concentric, so that neighbours stay neighbours (Shirley & Chiu 1997).
 #[inline(always)]
@@ -84,80 +83,99 @@ pub fn tent_pdf(radius: Real, x: Real) -> Real {
     if t > 0.0 { t / radius } else { 0.0 }
 }
 
-/// A Gaussian of standard deviation σ, shifted down to reach 0 at ±`radius` and cut there:
-/// f(x) = e^(−x²/2σ²) − e^(−r²/2σ²).
+/// A Gaussian of standard deviation σ, shifted down to reach 0 at ±`radius` r and cut there. With t = x/r and
+/// q = r²/2σ²: f(t) = e^(−qt²) − e^(−q).
 #[derive(Clone, Copy, Debug)]
 pub struct Gaussian {
     radius: Real,
-    sigma: Real,
-    /// f before the shift, at the radius.
+    q: Real,
+    root: Real,
+    /// e^(−q).
     floor: Real,
-    /// ∫₀ʳ f.
+    /// ∫₀¹ f.
     half: Real,
 }
 
-/// Newton steps at most: they end at a relative change of 1e-6, which takes three or four but far out.
-const STEPS: u32 = 16;
+/// Below this q f is a small difference, and takes forms that don't cancel.
+const WIDE: Real = 1.0;
+/// Terms of the series for wide Gaussians: WIDEᵏ/k! below an ulp.
+const TERMS: u32 = 17;
+/// Newton steps at most. They end at a relative change of 1e-6, which takes three or four, but more in the tail.
+const STEPS: u32 = 40;
 
 impl Gaussian {
     /// With half-width `radius`.
     #[inline]
     pub fn new(radius: Real, sigma: Real) -> Self {
         let ratio = radius / sigma;
+        let q = 0.5 * ratio * ratio;
         let mut g = Self {
             radius,
-            sigma,
-            floor: exp(-0.5 * ratio * ratio),
+            q,
+            root: sqrt(q),
+            floor: exp(-q),
             half: 1.0,
         };
-        g.half = g.integral(radius);
+        g.half = g.integral(1.0);
         g
     }
 
     /// f.
     #[inline(always)]
-    fn value(&self, x: Real) -> Real {
-        let ratio = x / self.sigma;
-        let f = exp(-0.5 * ratio * ratio) - self.floor;
-        if x.abs() < self.radius && f > 0.0 {
-            f
+    fn value(&self, t: Real) -> Real {
+        let f = if self.q < WIDE {
+            exp(-self.q * t * t) * -expm1(-self.q * (1.0 - t) * (1.0 + t))
         } else {
-            0.0
-        }
+            exp(-self.q * t * t) - self.floor
+        };
+        if t.abs() < 1.0 && f > 0.0 { f } else { 0.0 }
     }
 
-    /// ∫₀ˣ f = σ√(π/2)·erf(x/σ√2) − x·e^(−r²/2σ²).
+    /// ∫₀ᵗ f = √(π/4q)·erf(t√q) − t·e^(−q) = e^(−q)·Σₖ qᵏ/k!·Iₖ with Iₖ = ∫₀ᵗ (1−s²)ᵏ, k ≥ 1, for which
+    /// (2k+1)·Iₖ = t(1−t²)ᵏ + 2k·Iₖ₋₁: only positive terms.
     #[inline(always)]
-    fn integral(&self, x: Real) -> Real {
-        let root_half_pi = sqrt(0.5 * PI);
-        let whole = self.sigma * root_half_pi * erf(x / self.sigma * FRAC_1_SQRT_2);
-        whole - x * self.floor
+    fn integral(&self, t: Real) -> Real {
+        #[allow(clippy::excessive_precision)] // not excessive in the double-precision package
+        const HALF_ROOT_PI: Real = 0.886_226_925_452_758;
+        if self.q >= WIDE {
+            return HALF_ROOT_PI / self.root * erf(t * self.root) - t * self.floor;
+        }
+        let base = (1.0 - t) * (1.0 + t);
+        let (mut power, mut moment, mut coefficient, mut sum) = (1.0, t, self.floor, 0.0);
+        for k in 1..=TERMS {
+            let k = k as Real;
+            power *= base;
+            moment = (t * power + 2.0 * k * moment) / (2.0 * k + 1.0);
+            coefficient *= self.q / k;
+            sum += coefficient * moment;
+        }
+        sum
     }
 
     /// Density.
     #[inline]
     pub fn pdf(&self, x: Real) -> Real {
-        0.5 * self.value(x) / self.half
+        0.5 * self.value(x / self.radius) / (self.half * self.radius)
     }
 
     /// Draws x by inverting the distribution. Its integral is concave on x > 0, so Newton's steps from 0 come
-    /// to the root from below and never overshoot.
+    /// to the root from below and never overshoot: a step back is rounding.
     #[inline]
     pub fn sample(&self, xi: Real) -> Real {
         let signed = 2.0 * xi - 1.0;
         let target = signed.abs() * self.half;
-        let mut x = 0.0;
+        let mut t = 0.0;
         for _ in 0..STEPS {
-            let slope = self.value(x);
+            let slope = self.value(t);
             if slope <= 0.0 {
                 break;
             }
-            let step = (target - self.integral(x)) / slope;
-            x = (x + step).clamp(0.0, self.radius);
-            if step.abs() <= 1e-6 * self.radius {
+            let step = (target - self.integral(t)) / slope;
+            t = (t + step).clamp(0.0, 1.0);
+            if step <= 1e-6 * t {
                 break;
             }
         }
-        x.copysign(signed)
+        (self.radius * t).copysign(signed)
     }
 }

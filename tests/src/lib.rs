@@ -1,4 +1,7 @@
 //! Shared by the truth, agreement and golden tests.
 
+pub mod fresnel;
+pub mod oracles;
 pub mod render;
 pub mod scenes;
+pub mod statistics;

@@ -5,6 +5,7 @@
 //! form a tree, however they are laid out), levels at most `world.depth` ≤ [`MAX_DEPTH`], leaves within
 //! the packets and spheres. Everything else keeps numbers finite and loops bounded.
 
+use super::error::{BlobError, Problem};
 use super::format::{
     Cell, Choice, Emitter, Header, LANES, MAGIC, MAX_DEPTH, Material, NONE, Node, Packet,
     SECTION_ALIGN, Sensor, Shape, Sphere, Texture, Toc, Triangle, VERSION, World, child, emitter,
@@ -16,96 +17,6 @@ use bytemuck::{AnyBitPattern, NoUninit};
 
 /// The largest coordinate: products of three differences stay finite in single precision.
 pub const MAX_COORDINATE: f32 = 1e12;
-
-/// Why bytes are not a scene, and where.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BlobError {
-    /// What is wrong.
-    pub problem: Problem,
-    /// In which section ([`section`]); 0 is the header or the table of contents.
-    pub section: u32,
-    /// At which record.
-    pub index: u32,
-}
-
-/// What can be wrong with a blob.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Problem {
-    /// The bytes don't start at a multiple of 16.
-    Misaligned,
-    /// Shorter than the header says, or than a header is.
-    Truncated,
-    /// Not a blob at all.
-    Magic,
-    /// A version that this kernel doesn't read.
-    Version,
-    /// A need that this kernel doesn't know.
-    Needs,
-    /// A section is missing, double, unknown, overlapping, outside the blob or of another record size.
-    Section,
-    /// A reserved field isn't zero.
-    Reserved,
-    /// A number is not finite, or outside its range.
-    Range,
-    /// An id points to nothing, or to the wrong thing.
-    Reference,
-    /// A kind or flag that this kernel doesn't know.
-    Kind,
-    /// The nodes are not a tree of the stated depth.
-    Tree,
-    /// Two numbers that must agree don't.
-    Mismatch,
-}
-
-impl Problem {
-    /// In words.
-    pub fn text(self) -> &'static str {
-        match self {
-            Problem::Misaligned => "the bytes must start at an address that is a multiple of 16",
-            Problem::Truncated => "the blob is shorter or longer than its header says",
-            Problem::Magic => "not an Étendue blob",
-            Problem::Version => "a blob of another version",
-            Problem::Needs => "the scene needs something that this kernel doesn't know",
-            Problem::Section => "the table of contents is damaged",
-            Problem::Reserved => "a reserved field is not zero",
-            Problem::Range => "a number is out of range",
-            Problem::Reference => "an id points to nothing",
-            Problem::Kind => "an unknown kind or flag",
-            Problem::Tree => "the nodes are not a tree of the stated depth",
-            Problem::Mismatch => "two numbers that must agree don't",
-        }
-    }
-}
-
-impl core::fmt::Display for BlobError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        const NAMES: [&str; 16] = [
-            "header",
-            "world",
-            "sensor",
-            "nodes",
-            "packets",
-            "triangles",
-            "spheres",
-            "normals",
-            "uvs",
-            "shapes",
-            "materials",
-            "textures",
-            "texels",
-            "emitters",
-            "choices",
-            "cells",
-        ];
-        let name = NAMES
-            .get(self.section as usize)
-            .unwrap_or(&"unknown section");
-        write!(f, "{} ({name}, record {})", self.problem.text(), self.index)
-    }
-}
-
-impl core::error::Error for BlobError {}
 
 type Checked = Result<(), Problem>;
 

@@ -3,7 +3,8 @@
 //! Nothing here copies: a `Scene` is a handful of slices into the bytes. Lookups by id go through
 //! `get`, so that an id of [`NONE`] and an id from a foreign [`crate::shape::Tracer`] are both simply "nothing".
 
-use super::check::{self, BlobError};
+use super::check;
+use super::error::BlobError;
 use super::format::{
     Cell, Choice, Emitter, Header, LANES, Material, NONE, Node, Packet, Sensor, Shape, Sphere,
     Texture, Triangle, World, needs,

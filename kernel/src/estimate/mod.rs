@@ -143,8 +143,10 @@ impl Scene<'_> {
         index: u64,
         scratch: &mut Scratch<N>,
     ) -> Rgb {
-        // Off the geometry, by what rounding may have put the caller's point beneath it.
-        let offset = 4.0 * gamma(7) * position.abs().dot(normal.abs());
+        // Off the geometry that the point may lie on. Which triangle that is isn't known, so its extent is
+        // bounded by the scene's (see `shape::triangle_offset`).
+        let extent = Real::from(self.world().radius) + position.abs().max_element();
+        let offset = gamma(8) * extent;
         let element = Element::Irradiance {
             position: position + normal * offset,
             normal,

@@ -23,13 +23,16 @@ pub struct Dielectric<S> {
 impl<S: Spectrum> Local<S> for Dielectric<S> {
     #[inline(always)]
     fn sample(&self, w: Vec3, mode: Mode, lobe: Real, _: [Real; 2]) -> Option<Scatter<S>> {
-        // Index of the far side over that of w's side.
-        let eta = if w.z > 0.0 { self.ior } else { 1.0 / self.ior };
+        let (here, there) = if w.z > 0.0 {
+            (1.0, self.ior)
+        } else {
+            (self.ior, 1.0)
+        };
         let cos = w.z.abs();
         let boundary = if self.schlick {
-            fresnel::schlick(eta, cos)
+            fresnel::schlick(here, there, cos)
         } else {
-            fresnel::dielectric(eta, cos)
+            fresnel::dielectric(here, there, cos)
         };
         // Lobes by Fresnel's shares: the same from either side, so the way back has the same probability.
         if lobe < boundary.reflected {
@@ -40,7 +43,7 @@ impl<S: Spectrum> Local<S> for Dielectric<S> {
         if p <= 0.0 {
             return None;
         }
-        let back = 1.0 / eta;
+        let back = here / there;
         let wi = Vec3::new(-w.x * back, -w.y * back, -boundary.cos_t.copysign(w.z));
         let eta_scale = match mode {
             Mode::Radiance => square(back),

@@ -1,6 +1,6 @@
 //! Lambert's law, reflecting and transmitting: f = k_r/π on wo's side, k_t/π on the other.
 
-use super::{Local, Mode, Scatter};
+use super::{Local, Mode, Scatter, same_side};
 use crate::real::{INV_PI, Real, Vec3};
 use crate::spectrum::Spectrum;
 use crate::warp;
@@ -15,21 +15,26 @@ pub struct Diffuse<S> {
 }
 
 impl<S: Spectrum> Diffuse<S> {
-    /// Probability of choosing reflection.
+    /// Probabilities of reflection and of transmission; both 0 if the surface is black.
     #[inline(always)]
-    fn reflect_probability(&self) -> Real {
+    fn probabilities(&self) -> (Real, Real) {
         let (r, t) = (
             self.reflectance.max_channel(),
             self.transmittance.max_channel(),
         );
-        if t == 0.0 { 1.0 } else { r / (r + t) }
+        // Most surfaces transmit nothing: no division for them.
+        if t == 0.0 {
+            return (if r > 0.0 { 1.0 } else { 0.0 }, 0.0);
+        }
+        let p = r / (r + t);
+        (p, 1.0 - p)
     }
 }
 
 impl<S: Spectrum> Local<S> for Diffuse<S> {
     #[inline(always)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> S {
-        let k = if wo.z * wi.z > 0.0 {
+        let k = if same_side(wo, wi) {
             self.reflectance
         } else {
             self.transmittance
@@ -39,23 +44,23 @@ impl<S: Spectrum> Local<S> for Diffuse<S> {
 
     #[inline(always)]
     fn pdf(&self, w: Vec3, wi: Vec3, _: Mode) -> Real {
-        let p = self.reflect_probability();
-        let lobe = if w.z * wi.z > 0.0 { p } else { 1.0 - p };
-        lobe * warp::cosine_hemisphere_pdf(wi.z.abs())
+        let (reflect, transmit) = self.probabilities();
+        let p = if same_side(w, wi) { reflect } else { transmit };
+        p * warp::cosine_hemisphere_pdf(wi.z.abs())
     }
 
     #[inline(always)]
     fn sample(&self, w: Vec3, _: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>> {
-        if !self.has_smooth() {
+        let (reflect, transmit) = self.probabilities();
+        let transmitted = lobe >= reflect;
+        let (k, p) = if transmitted {
+            (self.transmittance, transmit)
+        } else {
+            (self.reflectance, reflect)
+        };
+        if p <= 0.0 {
             return None;
         }
-        let p = self.reflect_probability();
-        let transmitted = lobe >= p;
-        let (k, p) = if transmitted {
-            (self.transmittance, 1.0 - p)
-        } else {
-            (self.reflectance, p)
-        };
         let up = warp::cosine_hemisphere(xi);
         let wi = if (w.z < 0.0) == transmitted {
             up

@@ -110,6 +110,13 @@ fn reflect(w: Vec3) -> Vec3 {
     Vec3::new(-w.x, -w.y, w.z)
 }
 
+/// Whether two directions are on one side. The tangent plane counts as front, for all models alike, and
+/// signs rather than a product, which underflows.
+#[inline(always)]
+fn same_side(a: Vec3, b: Vec3) -> bool {
+    (a.z < 0.0) == (b.z < 0.0)
+}
+
 /// Any local model, its colours looked up.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // each variant is documented at its model

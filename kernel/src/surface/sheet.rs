@@ -41,11 +41,7 @@ impl<S: Spectrum> Local<S> for Sheet<S> {
     #[inline(always)]
     fn pdf(&self, w: Vec3, wi: Vec3, mode: Mode) -> Real {
         let (r, t) = self.probabilities();
-        if self.diffuse.has_smooth() {
-            (1.0 - r - t) * self.diffuse.pdf(w, wi, mode)
-        } else {
-            0.0
-        }
+        (1.0 - r - t) * self.diffuse.pdf(w, wi, mode)
     }
 
     #[inline(always)]

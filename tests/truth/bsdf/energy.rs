@@ -1,0 +1,82 @@
+//! No energy is made: what leaves is at most what came, from whatever direction it came (`transport.md` §1).
+//!
+//! Incident light is the walk from the light: Σ over where it leaves is the albedo. Seen from the sensor,
+//! refraction gathers (η_o/η_i)², and only the throughput without that factor is bounded.
+
+use super::kernel::real::{Real, Vec3};
+use super::kernel::surface::{Local, Mode, Surface};
+use super::zoo::{MODES, Random, channels, dirac_lobes, direction, directions, zoo};
+use etendue_tests::statistics::{Family, Moments};
+use std::f64::consts::TAU;
+
+/// ∫ f(wo ← wi)|cos wo| dσ(wo) of the smooth part, by the midpoint rule, plus the Dirac lobes.
+fn albedo(surface: &Surface<super::kernel::Rgb>, wi: Vec3) -> [f64; 3] {
+    const ROWS: usize = 64;
+    const COLUMNS: usize = 16;
+    let mut sum = [0.0; 3];
+    for row in 0..ROWS {
+        for column in 0..COLUMNS {
+            let cos = 2.0 * (row as f64 + 0.5) / ROWS as f64 - 1.0;
+            let phi = TAU * (column as f64 + 0.5) / COLUMNS as f64;
+            let f = channels(surface.eval(direction(cos, phi), wi));
+            for (sum, f) in sum.iter_mut().zip(f) {
+                *sum += f * cos.abs() * 2.0 * TAU / (ROWS * COLUMNS) as f64;
+            }
+        }
+    }
+    for lobe in dirac_lobes(surface, wi, Mode::Importance) {
+        for (sum, weight) in sum.iter_mut().zip(channels(lobe.weight)) {
+            *sum += weight * lobe.pdf as f64;
+        }
+    }
+    sum
+}
+
+#[test]
+fn albedo_is_at_most_one() {
+    for specimen in zoo() {
+        for wi in directions() {
+            for albedo in albedo(&specimen.surface, wi) {
+                let context = format!("{} from {wi}: {albedo}", specimen.name);
+                assert!(albedo <= 1.0 + 4.0 * Real::EPSILON as f64, "{context}");
+                if specimen.lossless {
+                    // A lobe that ξ can hardly hit is missing from the sum, see `dirac_lobes`.
+                    assert!(albedo > 1.0 - 3e-4, "{context}");
+                } else {
+                    assert!(albedo < 0.99, "{context}");
+                }
+            }
+        }
+    }
+}
+
+/// The furnace: walks carry the albedo on average, in both modes once η² is divided out.
+#[test]
+fn walks_carry_the_albedo() {
+    const WALKS: u32 = 20_000;
+    let mut family = Family::new();
+    let mut random = Random::new(4);
+    for specimen in zoo() {
+        for w in directions() {
+            let truth = albedo(&specimen.surface, w);
+            for mode in MODES {
+                let mut moments = [Moments::default(); 3];
+                for _ in 0..WALKS {
+                    let s = random.scatter(&specimen.surface, w, mode);
+                    let weight = s.map_or([0.0; 3], |s| {
+                        channels(s.weight).map(|x| x / s.eta_scale as f64)
+                    });
+                    for (m, x) in moments.iter_mut().zip(weight) {
+                        m.add(x);
+                    }
+                }
+                for (m, truth) in moments.iter().zip(truth) {
+                    let context = format!("{} from {w} in {mode:?}", specimen.name);
+                    // What `dirac_lobes` misses is less than one of its steps.
+                    family.add(m.against(truth, 3e-4), context);
+                }
+            }
+        }
+    }
+    family.judge();
+}
