@@ -1,6 +1,6 @@
 //! The weights of all strategies of one path sum to 1, in both forms, and the forms agree.
 
-use etendue::path::{Heuristic, History, Junction, Link, Mis, Terms};
+use etendue::path::{Heuristic, History, HistoryView, Junction, Link, Mis, Terms};
 use etendue::random::{Pcg, Purpose, Sampler};
 
 /// A path as densities: what each walk would have, whoever makes it.
@@ -116,7 +116,7 @@ impl Path {
             a: 0.0,
             b: 0.0,
         };
-        let mut history = History::<N>::new();
+        let history: &mut HistoryView = &mut History::<N>::new();
         for i in 1..t {
             let z = n - 1 - i;
             let (dirac, reverse) = if i >= 2 {
@@ -170,7 +170,7 @@ impl Path {
             (&x, &links[..])
         };
         let y = if t == 1 { &none } else { &y };
-        mis.weight(&junction, x, y, links, &history)
+        mis.weight(&junction, x, y, links, history)
     }
 }
 

@@ -391,6 +391,7 @@ fn check_material(scene: &Scene<'_>, m: &Material) -> Checked {
 }
 
 fn check_texture(scene: &Scene<'_>, t: &Texture, budget: &mut u64) -> Checked {
+    ensure(cfg!(feature = "textures"), Problem::Needs)?;
     let known = texture::NEAREST | texture::CLAMP | texture::MIRROR | texture::ALPHA;
     ensure(
         t.kind <= texture::FLOAT && t.flags & !known == 0,
@@ -403,7 +404,7 @@ fn check_texture(scene: &Scene<'_>, t: &Texture, budget: &mut u64) -> Checked {
         return Ok(());
     }
     let words = if t.kind == texture::FLOAT { 3 } else { 1 };
-    let texels = image(scene, t.texels, t.width, t.height, words, budget)?;
+    let texels = texels_of(scene, t.texels, t.width, t.height, words, budget)?;
     let unit = |w: &u32| (0.0..=1.0).contains(&f32::from_bits(*w));
     ensure(
         t.kind != texture::FLOAT || texels.iter().all(unit),
@@ -412,7 +413,7 @@ fn check_texture(scene: &Scene<'_>, t: &Texture, budget: &mut u64) -> Checked {
 }
 
 /// The words of an image, paid for from the budget.
-fn image<'a>(
+fn texels_of<'a>(
     scene: &Scene<'a>,
     first: u32,
     width: u32,
@@ -442,6 +443,8 @@ fn check_emitter(
     cells: &mut u64,
 ) -> Checked {
     ensure(e.kind <= emitter::CUBEMAP, Problem::Kind)?;
+    let image = matches!(e.kind, emitter::LATLONG | emitter::CUBEMAP);
+    ensure(cfg!(feature = "environment") || !image, Problem::Needs)?;
     within(&e.radiance, 0.0, 1e30)?;
     within(&[e.density], 0.0, f32::MAX)?;
     coordinates(&e.position)?;
@@ -470,7 +473,7 @@ fn check_emitter(
                 lat_long || u64::from(e.height) == 6 * u64::from(e.width),
                 Problem::Mismatch,
             )?;
-            let words = image(scene, e.texels, e.width, e.height, 3, texels)?;
+            let words = texels_of(scene, e.texels, e.width, e.height, 3, texels)?;
             ensure(
                 words
                     .iter()

@@ -1,13 +1,61 @@
 //! Lights at infinity: a direction, a constant, an image. No inverse square; a light walk from them
 //! enters through a disc that covers the scene (`transport.md` §5).
 
-use super::environment::{Direction, radiance, sample};
+#[cfg(feature = "environment")]
+use super::environment;
 use super::{Emission, Incident, disc_density};
 use crate::blob::Scene;
+#[cfg(feature = "environment")]
+use crate::blob::format::emitter as kind;
 use crate::blob::format::{Emitter, NONE};
-use crate::real::{Frame, Real, Vec3, vec3};
+use crate::real::{Frame, INV_PI, Real, Vec3, vec3};
 use crate::spectrum::Spectrum;
 use crate::warp;
+
+/// A direction towards a background, what comes from there, and its density per solid angle
+/// (without the choice among emitters).
+pub(super) struct Direction<S> {
+    pub direction: Vec3,
+    pub radiance: S,
+    pub pdf: Real,
+}
+
+/// The same from everywhere: density 1/4π.
+#[inline(always)]
+fn constant<S: Spectrum>(e: &Emitter, direction: Vec3) -> Direction<S> {
+    Direction {
+        direction,
+        radiance: S::from_rgb(e.radiance),
+        pdf: 0.25 * INV_PI,
+    }
+}
+
+/// What comes from `direction`.
+#[inline(always)]
+fn radiance<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, direction: Vec3) -> Direction<S> {
+    let _ = scene;
+    match e.kind {
+        #[cfg(feature = "environment")]
+        kind::LATLONG | kind::CUBEMAP => environment::radiance(scene, e, direction),
+        _ => constant(e, direction),
+    }
+}
+
+/// Draws a direction by importance.
+#[inline(always)]
+fn sample<S: Spectrum>(
+    scene: &Scene<'_>,
+    e: &Emitter,
+    xi: [Real; 2],
+    more: [Real; 2],
+) -> Option<Direction<S>> {
+    let _ = (scene, more);
+    match e.kind {
+        #[cfg(feature = "environment")]
+        kind::LATLONG | kind::CUBEMAP => environment::sample(scene, e, xi, more),
+        _ => Some(constant(e, warp::sphere(xi))),
+    }
+}
 
 /// What a walk sees that leaves the scene towards `direction`: radiance, and the density per solid
 /// angle with which the background is sampled there (p_connect = p_trace).

@@ -1,23 +1,15 @@
-//! Backgrounds as images over directions: constant, lat-long, cube map; importance sampled by cell.
+//! Backgrounds as images over directions: lat-long, cube map; importance sampled by cell.
 //!
 //! A cell is what lies between four neighbouring texel centres (lat-long, bilinear) or one texel
 //! (cube map, nearest). Within a lat-long cell directions are uniform per solid angle; within a cube
 //! map's, uniform on the face.
 
+use super::distant::Direction;
 use super::pick_cell;
 use crate::blob::Scene;
 use crate::blob::format::{Cell, Emitter, emitter as kind};
 use crate::real::{INV_PI, PI, Real, Vec3, acos, atan2, cos, safe_sqrt, sin, sqrt, square, vec3};
 use crate::spectrum::Spectrum;
-use crate::warp;
-
-/// A direction towards a background, what comes from there, and its density per solid angle
-/// (without the choice among emitters).
-pub(super) struct Direction<S> {
-    pub direction: Vec3,
-    pub radiance: S,
-    pub pdf: Real,
-}
 
 /// What comes from `direction`.
 #[inline]
@@ -27,8 +19,7 @@ pub(super) fn radiance<S: Spectrum>(
     direction: Vec3,
 ) -> Direction<S> {
     let scale = S::from_rgb(e.radiance);
-    let (texel, pdf) = match e.kind {
-        kind::CONSTANT => (S::WHITE, 0.25 * INV_PI),
+    let (texel, pdf): (S, Real) = match e.kind {
         kind::LATLONG => LatLong { scene, e }.look(to_local(e, direction)),
         _ => CubeMap { scene, e }.look(to_local(e, direction)),
     };
@@ -47,9 +38,6 @@ pub(super) fn sample<S: Spectrum>(
     xi: [Real; 2],
     more: [Real; 2],
 ) -> Option<Direction<S>> {
-    if e.kind == kind::CONSTANT {
-        return Some(radiance(scene, e, warp::sphere(xi)));
-    }
     let (index, cell) = pick_cell(cells(scene, e), more)?;
     let local = if e.kind == kind::LATLONG {
         LatLong { scene, e }.direction(index, xi)

@@ -12,11 +12,14 @@
 mod area;
 mod choice;
 mod distant;
+#[cfg(feature = "environment")]
 mod environment;
 mod point;
 
 pub use area::{connect_density, radiance, trace_density};
-pub use choice::{pick_cell, pick_choice};
+#[cfg(feature = "environment")]
+pub use choice::pick_cell;
+pub use choice::pick_choice;
 pub use distant::background;
 
 use crate::blob::Scene;

@@ -8,11 +8,11 @@
 //!
 //! The light walk is stored; the sensor walk connects as it goes and keeps only what weights need.
 
-use super::light::{Seen, emit, see_light, see_vertex};
-use super::{Scratch, Settings, spread};
+use super::light::{Seen, emit, see_light, see_vertex, spread};
+use super::{ScratchView, Settings};
 use crate::emitter;
 use crate::path::{
-    Arrival, History, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first,
+    Arrival, HistoryView, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first,
     emission_terms,
 };
 use crate::random::{Purpose, Sampler};
@@ -24,12 +24,12 @@ use crate::surface::{Local, Mode};
 
 /// One sample.
 #[inline(always)]
-pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
+pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
     trace: &mut Trace<'_, '_, T>,
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut Scratch<N, S>,
+    scratch: &mut ScratchView<'_, S>,
     splat: &mut impl FnMut([u32; 2], S),
 ) -> S {
     scratch.light.clear();
@@ -38,7 +38,11 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
     let mut sum = S::BLACK;
     let limit = settings.limit();
     if limit > 0 {
-        let mis = super::mis(settings, element.light_paths(trace.scene), N);
+        let mis = super::mis(
+            settings,
+            element.light_paths(trace.scene),
+            scratch.light.capacity(),
+        );
         light_side(
             trace, limit, &mis, element, sampler, scratch, &mut sum, splat,
         );
@@ -50,13 +54,13 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
 /// Walks from a light, stores the walk, and joins each of its vertices to the sensor (t = 1).
 #[inline(always)]
 #[allow(clippy::too_many_arguments)] // the two sides of one function
-fn light_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
+fn light_side<S: Spectrum, T: Tracer, P: Sampler>(
     trace: &mut Trace<'_, '_, T>,
     limit: u32,
     mis: &Mis,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut Scratch<N, S>,
+    scratch: &mut ScratchView<'_, S>,
     sum: &mut S,
     splat: &mut impl FnMut([u32; 2], S),
 ) {
@@ -66,7 +70,7 @@ fn light_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
     let scene = trace.scene;
     let x0 = emission_terms(&emission);
     let _ = scratch.links.push(link(&x0));
-    let mut see = |seen: Option<Seen<S>>, terms: &Terms, links: &[Link], none: &History<N>| {
+    let mut see = |seen: Option<Seen<S>>, terms: &Terms, links: &[Link], none: &HistoryView| {
         let Some(seen) = seen else { return };
         let junction = Junction {
             light_vertices: links.len(),
@@ -87,7 +91,7 @@ fn light_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
     };
     if mis.light_paths > 0.0 {
         let seen = see_light(trace, element, &emission, sampler);
-        see(seen, &x0, &scratch.links, &scratch.sensor);
+        see(seen, &x0, scratch.links, scratch.sensor);
     }
     let mut walk = Walk::from_light(&emission);
     // x_i is joined to the sensor by a path of i + 1 edges.
@@ -106,7 +110,7 @@ fn light_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
         let _ = scratch.light.push(vertex);
         if mis.light_paths > 0.0 {
             let seen = see_vertex(trace, element, &vertex, sampler);
-            see(seen, &vertex.terms, &scratch.links, &scratch.sensor);
+            see(seen, &vertex.terms, scratch.links, scratch.sensor);
         }
         let Some(step) = walk.leave(&vertex, sampler) else {
             return;
@@ -120,13 +124,13 @@ fn light_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
 
 /// Walks from the sensor and joins each of its vertices to the light (s = 0, 1) and to the light walk (s ≥ 2).
 #[inline(always)]
-fn sensor_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
+fn sensor_side<S: Spectrum, T: Tracer, P: Sampler>(
     trace: &mut Trace<'_, '_, T>,
     limit: u32,
     mis: &Mis,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut Scratch<N, S>,
+    scratch: &mut ScratchView<'_, S>,
     sum: &mut S,
 ) {
     let start = element.start(trace.scene, sampler);
@@ -137,19 +141,19 @@ fn sensor_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
             Arrival::Vertex(vertex, distance) => (vertex, distance),
             Arrival::Escaped(terms) => {
                 scratch.sensor.push(link(&terms));
-                *sum += escaped(trace, mis, &walk, &terms, &scratch.sensor);
+                *sum += escaped(trace, mis, &walk, &terms, scratch.sensor);
                 return;
             }
             Arrival::Cut => return,
         };
         scratch.sensor.push(link(&vertex.terms));
-        *sum += met_light(trace, mis, &walk, &vertex, from, distance, &scratch.sensor);
+        *sum += met_light(trace, mis, &walk, &vertex, from, distance, scratch.sensor);
         if walk.edges >= limit {
             return;
         }
         if vertex.surface.has_smooth() {
             let t = walk.edges as usize + 1;
-            *sum += next_event(trace, mis, &vertex, t, sampler, &scratch.sensor);
+            *sum += next_event(trace, mis, &vertex, t, sampler, scratch.sensor);
             for (i, x) in scratch.light.iter().enumerate() {
                 // s = i + 2 light vertices and t sensor vertices make s + t − 1 edges.
                 if walk.edges as usize + i + 2 > limit as usize {
@@ -163,8 +167,8 @@ fn sensor_side<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
                         &vertex,
                         i + 2,
                         t,
-                        &scratch.links,
-                        &scratch.sensor,
+                        scratch.links,
+                        scratch.sensor,
                     );
                 }
             }
@@ -194,12 +198,12 @@ fn link(terms: &Terms) -> Link {
 
 /// s = 0 at infinity.
 #[inline(always)]
-fn escaped<S: Spectrum, T: Tracer, const N: usize>(
+fn escaped<S: Spectrum, T: Tracer>(
     trace: &Trace<'_, '_, T>,
     mis: &Mis,
     walk: &Walk<S>,
     terms: &Terms,
-    sensor: &History<N>,
+    sensor: &HistoryView,
 ) -> S {
     let Some((radiance, density)) = emitter::background::<S>(trace.scene, walk.ray.direction)
     else {
@@ -219,14 +223,14 @@ fn escaped<S: Spectrum, T: Tracer, const N: usize>(
 
 /// s = 0 on a surface.
 #[inline(always)]
-fn met_light<S: Spectrum, T: Tracer, const N: usize>(
+fn met_light<S: Spectrum, T: Tracer>(
     trace: &Trace<'_, '_, T>,
     mis: &Mis,
     walk: &Walk<S>,
     y: &Vertex<S>,
     from: crate::real::Vec3,
     distance: Real,
-    sensor: &History<N>,
+    sensor: &HistoryView,
 ) -> S {
     let scene = trace.scene;
     let Some(e) = scene
@@ -262,13 +266,13 @@ fn met_light<S: Spectrum, T: Tracer, const N: usize>(
 
 /// s = 1: a light point drawn for y.
 #[inline(always)]
-fn next_event<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
+fn next_event<S: Spectrum, T: Tracer, P: Sampler>(
     trace: &mut Trace<'_, '_, T>,
     mis: &Mis,
     y: &Vertex<S>,
     t: usize,
     sampler: &mut P,
-    sensor: &History<N>,
+    sensor: &HistoryView,
 ) -> S {
     let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
     let more = sampler.two(Purpose::Emission);
@@ -305,7 +309,7 @@ fn next_event<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
 /// s ≥ 2, t ≥ 2: joins x and y.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)] // both ends, with their histories
-fn connect<S: Spectrum, T: Tracer, const N: usize>(
+fn connect<S: Spectrum, T: Tracer>(
     trace: &mut Trace<'_, '_, T>,
     mis: &Mis,
     x: &Vertex<S>,
@@ -313,7 +317,7 @@ fn connect<S: Spectrum, T: Tracer, const N: usize>(
     s: usize,
     t: usize,
     light: &[Link],
-    sensor: &History<N>,
+    sensor: &HistoryView,
 ) -> S {
     let to_x = x.point.position - y.point.position;
     let squared = to_x.dot(to_x);

@@ -1,12 +1,13 @@
 //! Light tracing: a walk from a light, each vertex joined to the sensor (t = 1). What it can't make, paths
 //! that the sensor sees through a mirror or glass, it leaves black.
 
-use super::{Settings, spread};
+use super::Settings;
+use crate::blob::Scene;
 use crate::emitter::{self, Emission};
 use crate::path::{Arrival, Joint, Trace, Vertex, Walk};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::Real;
-use crate::sensor::{Element, Projection};
+use crate::sensor::{Element, Footprint, Projection};
 use crate::shape::{Ray, Tracer};
 use crate::spectrum::Spectrum;
 use crate::surface::{Local, Mode};
@@ -78,6 +79,7 @@ pub(super) fn emit<S: Spectrum, T: Tracer, P: Sampler>(
 }
 
 /// What the sensor sees of a light walk's vertex (t = 1), before any weight.
+#[cfg_attr(not(feature = "bidirectional"), allow(dead_code))]
 pub(super) struct Seen<S> {
     /// Its contribution to the sensor, the pixel filter left out.
     pub value: S,
@@ -163,4 +165,26 @@ pub(super) fn see_vertex<S: Spectrum, T: Tracer, P: Sampler>(
         density: projection.density * projection.direction.dot(vertex.point.normal).abs(),
         reverse: pdf_reverse,
     })
+}
+
+/// Hands a contribution of a strategy with t = 1 to the pixels that see it: `own` collects it where
+/// the element is no pixel. A light walk counts for the whole image, so each pixel gets 1/n of it.
+#[inline(always)]
+pub(super) fn spread<S: Spectrum>(
+    scene: &Scene<'_>,
+    element: &Element,
+    raster: [Real; 2],
+    value: S,
+    own: &mut S,
+    splat: &mut impl FnMut([u32; 2], S),
+) {
+    match element {
+        Element::Pixel(_) => {
+            let value = value * (1.0 / element.light_paths(scene));
+            let sensor = scene.sensor();
+            Footprint::around(sensor, raster)
+                .for_each(sensor, |pixel, filter| splat(pixel, value * filter));
+        }
+        _ => *own += value,
+    }
 }

@@ -3,15 +3,17 @@
 //! Every estimate is a pure function of (scene, settings, element, index): the same bits on every
 //! machine, whatever ran before it (`architecture.md`, law 3).
 
+#[cfg(feature = "bidirectional")]
 mod bidirectional;
+#[cfg(feature = "light")]
 mod light;
 mod path;
 
 use crate::blob::Scene;
-use crate::path::{Counters, Heuristic, History, Link, Mis, Trace, Vertex};
+use crate::path::{Counters, Heuristic, History, HistoryView, Link, Mis, Trace, Vertex};
 use crate::random::{Pcg, Sampler};
 use crate::real::{Real, Vec3, gamma};
-use crate::sensor::{Element, Footprint};
+use crate::sensor::Element;
 use crate::shape::{Instructions, Ray, Tracer};
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -22,8 +24,10 @@ pub enum Estimator {
     #[default]
     Path,
     /// A walk from a light; each vertex is joined to the sensor. It can't see mirrors or glass directly.
+    #[cfg(feature = "light")]
     Light,
     /// Both walks and all connections between them (Lafortune & Willems 1993, Veach 1997).
+    #[cfg(feature = "bidirectional")]
     Bidirectional,
 }
 
@@ -51,7 +55,7 @@ impl Settings {
 
 /// Memory that an estimate works in, owned by the caller: `N` bounds the light walk's vertices (strategies
 /// with more don't exist), not the length of paths.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Scratch<const N: usize = 32, S: Spectrum = Rgb> {
     light: heapless::Vec<Vertex<S>, N>,
     links: heapless::Vec<Link, N>,
@@ -68,6 +72,29 @@ impl<const N: usize, S: Spectrum> Scratch<N, S> {
             links: heapless::Vec::new(),
             sensor: History::new(),
             counters: Counters::ZERO,
+        }
+    }
+}
+
+/// A [`Scratch`] of any capacity: estimators are compiled once for all of them.
+#[allow(missing_debug_implementations)] // thousands of numbers
+#[cfg_attr(not(feature = "bidirectional"), allow(dead_code))]
+pub struct ScratchView<'s, S: Spectrum = Rgb> {
+    light: &'s mut heapless::VecView<Vertex<S>>,
+    links: &'s mut heapless::VecView<Link>,
+    sensor: &'s mut HistoryView,
+    counters: &'s mut Counters,
+}
+
+impl<const N: usize, S: Spectrum> Scratch<N, S> {
+    /// What estimators take.
+    #[inline(always)]
+    pub fn view(&mut self) -> ScratchView<'_, S> {
+        ScratchView {
+            light: &mut self.light,
+            links: &mut self.links,
+            sensor: &mut self.sensor,
+            counters: &mut self.counters,
         }
     }
 }
@@ -97,7 +124,13 @@ impl Scene<'_> {
     ) -> Rgb {
         let id = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
         let sampler = &mut Pcg::new(settings.seed, id, index);
-        self.dispatch(settings, &Element::Pixel(pixel), sampler, scratch, splat)
+        self.estimate_element(
+            settings,
+            &Element::Pixel(pixel),
+            sampler,
+            &mut scratch.view(),
+            splat,
+        )
     }
 
     /// One sample of the radiance that arrives at `origin` from `direction` (unit). `id` and `index`
@@ -118,16 +151,12 @@ impl Scene<'_> {
             t_min: 0.0,
             t_max: Real::INFINITY,
         };
-        let mut settings = *settings;
-        if settings.estimator == Estimator::Light {
-            settings.estimator = Estimator::Path;
-        }
         let sampler = &mut Pcg::new(settings.seed, id, index);
-        self.dispatch(
-            &settings,
+        self.estimate_element(
+            settings,
             &Element::Ray(ray),
             sampler,
-            scratch,
+            &mut scratch.view(),
             &mut |_, _| (),
         )
     }
@@ -152,17 +181,24 @@ impl Scene<'_> {
             normal,
         };
         let sampler = &mut Pcg::new(settings.seed, id, index);
-        self.dispatch(settings, &element, sampler, scratch, &mut |_, _| ())
+        self.estimate_element(
+            settings,
+            &element,
+            sampler,
+            &mut scratch.view(),
+            &mut |_, _| (),
+        )
     }
 
-    /// Runs the estimator in the instance compiled for this scene's instruction set.
+    /// One sample of any element, with random numbers from `sampler`: what the others call. Runs the
+    /// instance of the estimator that is compiled for this scene's instruction set.
     #[inline]
-    fn dispatch<const N: usize>(
+    pub fn estimate_element<P: Sampler>(
         &self,
         settings: &Settings,
         element: &Element,
-        sampler: &mut Pcg,
-        scratch: &mut Scratch<N>,
+        sampler: &mut P,
+        scratch: &mut ScratchView<'_>,
         splat: &mut impl FnMut([u32; 2], Rgb),
     ) -> Rgb {
         match self.isa() {
@@ -201,33 +237,39 @@ impl Scene<'_> {
 
 /// One sample of `element`, with geometry answered by `tracer` and numbers by `sampler`: the general form of
 /// [`Scene::estimate`], for engines that bring their own.
-pub fn estimate_with<S: Spectrum, T: Tracer, P: Sampler, const N: usize>(
+pub fn estimate_with<S: Spectrum, T: Tracer, P: Sampler>(
     scene: &Scene<'_>,
     tracer: &T,
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut Scratch<N, S>,
+    scratch: &mut ScratchView<'_, S>,
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
     let mut trace = Trace::new(scene, tracer);
     let mut rejected = 0;
-    let value = {
+    let value: S = {
+        #[cfg_attr(not(feature = "light"), allow(unused_variables))]
         let splat = &mut |pixel, value: S| match accept(value) {
             Some(v) => splat(pixel, v),
             None => rejected += 1,
         };
-        match settings.estimator {
-            Estimator::Path => path::estimate::<S, T, P>(&mut trace, settings, element, sampler),
-            Estimator::Light => light::estimate(&mut trace, settings, element, sampler, splat),
-            Estimator::Bidirectional => {
+        match (settings.estimator, element) {
+            #[cfg(feature = "light")]
+            (Estimator::Light, Element::Pixel(_) | Element::Irradiance { .. }) => {
+                light::estimate(&mut trace, settings, element, sampler, splat)
+            }
+            #[cfg(feature = "bidirectional")]
+            (Estimator::Bidirectional, _) => {
                 bidirectional::estimate(&mut trace, settings, element, sampler, scratch, splat)
             }
+            // No light walk meets a ray.
+            _ => path::estimate(&mut trace, settings, element, sampler),
         }
     };
     let value = accept(value);
     trace.counters.rejected += rejected + u64::from(value.is_none());
-    scratch.counters += trace.counters;
+    *scratch.counters += trace.counters;
     value.unwrap_or(Rgb::BLACK)
 }
 
@@ -247,27 +289,5 @@ fn mis(settings: &Settings, light_paths: Real, capacity: usize) -> Mis {
         light_paths,
         capacity,
         explicit: settings.explicit_weights,
-    }
-}
-
-/// Hands a contribution of a strategy with t = 1 to the pixels that see it: `own` collects it where
-/// the element is no pixel. A light walk counts for the whole image, so each pixel gets 1/n of it.
-#[inline(always)]
-fn spread<S: Spectrum>(
-    scene: &Scene<'_>,
-    element: &Element,
-    raster: [Real; 2],
-    value: S,
-    own: &mut S,
-    splat: &mut impl FnMut([u32; 2], S),
-) {
-    match element {
-        Element::Pixel(_) => {
-            let value = value * (1.0 / element.light_paths(scene));
-            let sensor = scene.sensor();
-            Footprint::around(sensor, raster)
-                .for_each(sensor, |pixel, filter| splat(pixel, value * filter));
-        }
-        _ => *own += value,
     }
 }

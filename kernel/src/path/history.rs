@@ -1,6 +1,8 @@
 //! What the explicit weights remember of a walk: a few numbers per vertex, not the vertices.
 
 use crate::real::Real;
+use heapless::deque::DequeInner;
+use heapless::vec::{OwnedVecStorage, VecStorage, ViewVecStorage};
 
 /// A vertex of a walk, as the ratio walk sees it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -15,10 +17,23 @@ pub struct Link {
     pub dirac: bool,
 }
 
-/// The last `N` links of a walk, latest last.
-#[derive(Clone, Debug)]
-pub struct History<const N: usize> {
-    links: heapless::Deque<Link, N>,
+/// The last links of a walk, latest last, in storage of any capacity: [`History`] owns it, [`HistoryView`] doesn't know how much.
+#[allow(missing_debug_implementations)] // storage is generic
+pub struct HistoryInner<V: VecStorage<Link> + ?Sized> {
+    links: DequeInner<Link, V>,
+}
+
+/// The last `N` links.
+pub type History<const N: usize> = HistoryInner<OwnedVecStorage<Link, N>>;
+/// The last links, however many are kept.
+pub type HistoryView = HistoryInner<ViewVecStorage<Link>>;
+
+impl<const N: usize> Clone for History<N> {
+    fn clone(&self) -> Self {
+        Self {
+            links: self.links.clone(),
+        }
+    }
 }
 
 impl<const N: usize> Default for History<N> {
@@ -34,7 +49,9 @@ impl<const N: usize> History<N> {
             links: heapless::Deque::new(),
         }
     }
+}
 
+impl HistoryView {
     /// Forgets everything.
     #[inline(always)]
     pub fn clear(&mut self) {
@@ -47,14 +64,14 @@ impl<const N: usize> History<N> {
         if self.links.is_full() {
             self.links.pop_front();
         }
-        // Can't fail: there is room now (and with N = 0 there is nothing to remember).
+        // Can't fail: there is room now (and with no capacity there is nothing to remember).
         let _ = self.links.push_back(link);
     }
 
     /// The link of the vertex `back` before the latest (0 is the latest).
     #[inline(always)]
     pub fn recent(&mut self, back: usize) -> Option<&mut Link> {
-        let index = self.links.len().checked_sub(back + 1)?;
+        let index = self.links.iter().len().checked_sub(back + 1)?;
         self.links.get_mut(index)
     }
 

@@ -7,7 +7,7 @@ mod vertex;
 mod walk;
 mod weight;
 
-pub use history::{History, Link};
+pub use history::{History, HistoryView, Link};
 pub use trace::{Counters, MAX_STEPS, Meeting, Trace, roulette};
 pub use vertex::{Joint, Step, Vertex};
 pub use walk::{Arrival, Walk, connect_first, emission_terms};

@@ -30,7 +30,7 @@
 //! **(b) The ratio walk** visits the strategies one by one: for every heuristic, and where strategies
 //! with more light vertices than the storage has (s > N, p = 0) must be left out.
 
-use super::history::{History, Link};
+use super::history::{HistoryView, Link};
 use crate::real::{Real, square};
 
 /// How strategies share a path (Veach 1997, §9.2.2–9.2.3).
@@ -132,13 +132,13 @@ impl Mis {
     /// The weight of a junction. `x` and `y` are the terms of its ends; `light` and `sensor` the
     /// links of both walks, latest last, for the ratio walk.
     #[inline(always)]
-    pub fn weight<const N: usize>(
+    pub fn weight(
         &self,
         j: &Junction,
         x: &Terms,
         y: &Terms,
         light: &[Link],
-        sensor: &History<N>,
+        sensor: &HistoryView,
     ) -> Real {
         let long = j.light_vertices + j.sensor_vertices > self.capacity + 1;
         if long || self.explicit || matches!(self.heuristic, Heuristic::Cutoff | Heuristic::Maximum)
@@ -154,13 +154,13 @@ impl Mis {
 
     /// Form (b): visits every other strategy with its q relative to this one's.
     #[inline(never)]
-    fn ratio_walk<const N: usize>(
+    fn ratio_walk(
         &self,
         j: &Junction,
         x: &Terms,
         y: &Terms,
         light: &[Link],
-        sensor: &History<N>,
+        sensor: &HistoryView,
     ) -> Real {
         let visit = |f: &mut Others| {
             // Towards the light: the strategy with i light vertices joins the edge before x_i.

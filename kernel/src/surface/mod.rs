@@ -3,6 +3,8 @@
 //! Directions are in the local frame (z is the normal) and point away from the surface. wo is where light
 //! leaves, wi where it comes from, whoever walks. To add a model: write its file, add it to [`Surface`].
 
+#[cfg(feature = "textures")]
+mod bitmap;
 mod conductor;
 mod dielectric;
 mod diffuse;
