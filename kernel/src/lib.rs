@@ -41,6 +41,8 @@
 #![deny(unsafe_code)]
 
 pub mod blob;
+#[cfg(feature = "capi")]
+pub mod capi;
 pub mod emitter;
 pub mod estimate;
 pub mod film;

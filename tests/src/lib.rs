@@ -1,6 +1,7 @@
 //! Shared by the truth, agreement and golden tests.
 
 pub mod fresnel;
+pub mod header;
 pub mod oracles;
 pub mod render;
 pub mod scenes;

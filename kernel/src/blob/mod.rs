@@ -5,5 +5,6 @@ mod error;
 pub mod format;
 mod scene;
 
+pub use check::MAX_COORDINATE;
 pub use error::{BlobError, Problem};
 pub use scene::Scene;

@@ -12,9 +12,9 @@ mod path;
 use crate::blob::Scene;
 use crate::path::{Counters, Heuristic, History, HistoryView, Link, Mis, Trace, Vertex};
 use crate::random::{Pcg, Sampler};
-use crate::real::{Real, Vec3, gamma};
+use crate::real::{Real, Vec3};
 use crate::sensor::Element;
-use crate::shape::{Instructions, Ray, Tracer};
+use crate::shape::{Instructions, Tracer};
 use crate::spectrum::{Rgb, Spectrum};
 
 /// How light is estimated (`transport.md` §7).
@@ -99,6 +99,14 @@ impl<const N: usize, S: Spectrum> Scratch<N, S> {
     }
 }
 
+impl<S: Spectrum> ScratchView<'_, S> {
+    /// [`Scratch::counters`].
+    #[inline(always)]
+    pub fn counters(&mut self) -> &mut Counters {
+        self.counters
+    }
+}
+
 impl<const N: usize, S: Spectrum> Default for Scratch<N, S> {
     fn default() -> Self {
         Self::new()
@@ -122,8 +130,7 @@ impl Scene<'_> {
         scratch: &mut Scratch<N>,
         splat: &mut impl FnMut([u32; 2], Rgb),
     ) -> Rgb {
-        let id = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
-        let sampler = &mut Pcg::new(settings.seed, id, index);
+        let sampler = &mut Pcg::new(settings.seed, pixel_id(pixel), index);
         self.estimate_element(
             settings,
             &Element::Pixel(pixel),
@@ -145,16 +152,10 @@ impl Scene<'_> {
         index: u64,
         scratch: &mut Scratch<N>,
     ) -> Rgb {
-        let ray = Ray {
-            origin,
-            direction,
-            t_min: 0.0,
-            t_max: Real::INFINITY,
-        };
         let sampler = &mut Pcg::new(settings.seed, id, index);
         self.estimate_element(
             settings,
-            &Element::Ray(ray),
+            &Element::ray(origin, direction),
             sampler,
             &mut scratch.view(),
             &mut |_, _| (),
@@ -172,14 +173,7 @@ impl Scene<'_> {
         index: u64,
         scratch: &mut Scratch<N>,
     ) -> Rgb {
-        // Off the geometry that the point may lie on. Which triangle that is isn't known, so its extent is
-        // bounded by the scene's (see `shape::triangle_offset`).
-        let extent = Real::from(self.world().radius) + position.abs().max_element();
-        let offset = gamma(8) * extent;
-        let element = Element::Irradiance {
-            position: position + normal * offset,
-            normal,
-        };
+        let element = Element::irradiance(self, position, normal);
         let sampler = &mut Pcg::new(settings.seed, id, index);
         self.estimate_element(
             settings,
@@ -271,6 +265,12 @@ pub fn estimate_with<S: Spectrum, T: Tracer, P: Sampler>(
     trace.counters.rejected += rejected + u64::from(value.is_none());
     *scratch.counters += trace.counters;
     value.unwrap_or(Rgb::BLACK)
+}
+
+/// The number of a pixel's stream of random numbers.
+#[inline(always)]
+pub(crate) fn pixel_id([x, y]: [u32; 2]) -> u64 {
+    u64::from(y) << 32 | u64::from(x)
 }
 
 /// No NaN, infinity or negative value leaves an estimator.

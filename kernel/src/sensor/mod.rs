@@ -15,7 +15,7 @@ pub use filter::Footprint;
 use crate::blob::Scene;
 use crate::blob::format::sensor as kind;
 use crate::random::{Purpose, Sampler, Subpath};
-use crate::real::{Real, Vec3};
+use crate::real::{Real, Vec3, gamma};
 use crate::shape::Ray;
 
 /// An element of a sensor: what one estimate is for.
@@ -63,6 +63,29 @@ pub struct Projection {
 }
 
 impl Element {
+    /// The radiance that arrives at `origin` from `direction` (unit).
+    #[inline(always)]
+    pub fn ray(origin: Vec3, direction: Vec3) -> Self {
+        Element::Ray(Ray {
+            origin,
+            direction,
+            t_min: 0.0,
+            t_max: Real::INFINITY,
+        })
+    }
+
+    /// The irradiance at `position` on the side of `normal` (unit). The position may lie on the scene's geometry: it is
+    /// lifted off it. Which triangle that is isn't known, so its extent is bounded by the scene's (see
+    /// [`crate::shape::triangle_offset`]).
+    #[inline(always)]
+    pub fn irradiance(scene: &Scene<'_>, position: Vec3, normal: Vec3) -> Self {
+        let extent = Real::from(scene.world().radius) + position.abs().max_element();
+        Element::Irradiance {
+            position: position + normal * (gamma(8) * extent),
+            normal,
+        }
+    }
+
     /// Draws the first ray.
     #[inline(always)]
     pub fn start(&self, scene: &Scene<'_>, sampler: &mut impl Sampler) -> Start {

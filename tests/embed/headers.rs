@@ -1,0 +1,27 @@
+//! The C headers are those of the sources.
+//!
+//! `ETENDUE_BLESS=1 cargo test --release -p etendue-tests --test embed headers` writes them anew.
+
+use etendue_tests::header::{header, root};
+use std::path::Path;
+
+fn check(file: &Path, made: &str) {
+    if std::env::var_os("ETENDUE_BLESS").is_some() {
+        std::fs::write(file, made).unwrap();
+    }
+    let known = std::fs::read_to_string(file).unwrap_or_default();
+    assert!(
+        known == made,
+        "{} is not what the sources say",
+        file.display()
+    );
+}
+
+#[test]
+fn the_kernels_header_is_that_of_the_sources() {
+    let kernel = root().join("kernel");
+    let files = ["status", "hooks", "scene", "estimate", "film"]
+        .map(|name| kernel.join(format!("src/capi/{name}.rs")));
+    let made = header(&kernel.join("capi/cbindgen.toml"), &files);
+    check(&kernel.join("include/etendue.h"), &made);
+}

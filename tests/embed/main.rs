@@ -1,0 +1,3 @@
+//! The kernel embedded: in C, without a system, in a microcontroller, in a browser, on a GPU.
+
+mod headers;
