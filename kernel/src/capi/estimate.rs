@@ -296,6 +296,19 @@ fn settings(pointer: *const EtdSettings) -> Result<Settings, EtdStatus> {
     })
 }
 
+impl EtdSettings {
+    /// What the caller's struct asks for, for libraries that add functions of their own.
+    ///
+    /// # Errors
+    /// `ETD_E_NULL`, `ETD_E_MISALIGNED`, `ETD_E_SIZE`, `ETD_E_ARGUMENT`, `ETD_E_UNSUPPORTED`.
+    ///
+    /// # Safety
+    /// If the pointer is neither null nor misaligned, it points to a live struct whose first member is its size.
+    pub unsafe fn get(pointer: *const Self) -> Result<Settings, EtdStatus> {
+        settings(pointer)
+    }
+}
+
 /// What all estimating calls have in common.
 struct Call<'a> {
     scene: &'a Scene<'static>,
