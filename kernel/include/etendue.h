@@ -92,6 +92,27 @@
 // Two numbers that must agree don't.
 #define ETD_E_BLOB_MISMATCH 111
 
+// A file can't be read.
+#define ETD_E_IO 200
+
+// A file is not a scene: it says something that isn't known, or makes no sense.
+#define ETD_E_PARSE 201
+
+// The scene can't be built from what was given.
+#define ETD_E_SCENE 202
+
+// Not enough memory, or the caller's `allocate` said so.
+#define ETD_E_MEMORY 203
+
+// The library has a bug: it panicked, and stopped at its boundary. Free the handles that the call used.
+#define ETD_E_PANIC 204
+
+// The operating system gives no threads.
+#define ETD_E_THREADS 205
+
+// The caller's `run` returned before it had run every job.
+#define ETD_E_JOBS 206
+
 // The version of the functions and structs in this header.
 #define ETD_ABI_VERSION 1
 

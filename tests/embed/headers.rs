@@ -25,3 +25,14 @@ fn the_kernels_header_is_that_of_the_sources() {
     let made = header(&kernel.join("capi/cbindgen.toml"), &files);
     check(&kernel.join("include/etendue.h"), &made);
 }
+
+#[test]
+fn the_hosts_header_is_that_of_the_sources() {
+    let host = root().join("host");
+    let files = [
+        "hooks", "blob", "builder", "camera", "surface", "object", "light", "load", "render",
+    ]
+    .map(|name| host.join(format!("capi/src/{name}.rs")));
+    let made = header(&host.join("capi/cbindgen.toml"), &files);
+    check(&host.join("include/etendue_host.h"), &made);
+}
