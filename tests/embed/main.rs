@@ -1,3 +1,5 @@
 //! The kernel embedded: in C, without a system, in a microcontroller, in a browser, on a GPU.
 
+mod cornell;
 mod headers;
+mod hosted;

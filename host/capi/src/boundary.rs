@@ -71,3 +71,29 @@ pub(crate) fn fill<T: Copy>(pointer: *mut T, value: impl FnOnce() -> T) -> EtdSt
         Ok(())
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{guarded, write_text};
+    use etendue::capi::status::{ETD_E_PANIC, ETD_E_SCENE, ETD_OK};
+
+    #[test]
+    fn a_panic_is_a_status() {
+        assert_eq!(guarded(|| panic!("this panic is a test")), ETD_E_PANIC);
+        assert_eq!(guarded(|| Err(ETD_E_SCENE)), ETD_E_SCENE);
+        assert_eq!(guarded(|| Ok(())), ETD_OK);
+    }
+
+    #[test]
+    fn texts_are_cut_between_characters_and_end() {
+        let cut = |size: usize| {
+            let mut buffer = vec![0xff; size];
+            write_text("a\0é", &mut buffer);
+            buffer
+        };
+        assert_eq!(cut(0), b"");
+        assert_eq!(cut(1), b"\0");
+        assert_eq!(cut(4), b"a \0\xff");
+        assert_eq!(cut(6), b"a \xc3\xa9\0\xff");
+    }
+}

@@ -229,3 +229,46 @@ fn report(r: &Rendered) -> EtdRendered {
         underflowed: r.refused.underflowed,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{EtdRender, Shared};
+    use crate::boundary::guarded;
+    use etendue::capi::status::ETD_E_PANIC;
+    use std::ffi::c_void;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    unsafe extern "C" fn one_by_one(
+        _user: *mut c_void,
+        jobs: u32,
+        job: Option<unsafe extern "C" fn(context: *mut c_void, index: u32)>,
+        context: *mut c_void,
+    ) {
+        for i in 0..jobs {
+            // SAFETY: the context that came with it.
+            job.into_iter().for_each(|job| unsafe { job(context, i) });
+        }
+    }
+
+    #[test]
+    fn a_panic_in_a_job_crosses_the_callers_frames_as_a_value() {
+        let shared = Shared(EtdRender {
+            struct_size: size_of::<EtdRender>() as u32,
+            threads: 0,
+            samples: 1,
+            seconds: 0.0,
+            user: std::ptr::null_mut(),
+            run: Some(one_by_one),
+            progress: None,
+        });
+        let ran = AtomicU32::new(0);
+        let status = guarded(|| {
+            shared.run(4, &|i| {
+                ran.fetch_add(1, Ordering::Relaxed);
+                assert!(i != 1, "this panic is a test");
+            });
+            Ok(())
+        });
+        assert_eq!((status, ran.into_inner()), (ETD_E_PANIC, 4));
+    }
+}
