@@ -3,3 +3,4 @@
 mod cornell;
 mod headers;
 mod hosted;
+mod misuse;
