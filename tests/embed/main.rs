@@ -1,3 +1,6 @@
 //! The kernel embedded: in C, without a system, in a microcontroller, in a browser, on a GPU.
 
+mod bits;
+mod freestanding;
 mod headers;
+mod tools;
