@@ -58,3 +58,33 @@ pub fn cargo(package: &str, folder: &Path) -> Command {
         .env_remove("RUSTFLAGS");
     command
 }
+
+/// The compiler that Debian ships with its library's source, to build `core` for targets whose own can't be had.
+const RUSTC: &str = "/usr/bin/rustc";
+
+/// Whether `core` can be built for other targets (packages rustc-web and rust-web-src).
+pub fn have_core() -> bool {
+    have(RUSTC) && have("/usr/lib/rustlib/src/rust/library/core/Cargo.toml")
+}
+
+/// Cargo for a package outside of the workspace, with `core` built for `triple`.
+pub fn build_core(package: &str, folder: &Path, triple: &str) -> Command {
+    let sysroot = text(&run(Command::new("rustc").args(["--print", "sysroot"])));
+    let linkers = Path::new(sysroot.trim()).join("lib/rustlib/x86_64-unknown-linux-gnu/bin");
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let path = std::env::join_paths(std::env::split_paths(&path).chain([linkers.clone()])).unwrap();
+    let mut command = Command::new(env!("CARGO"));
+    command
+        .current_dir(root().join(package))
+        .args(["build", "--locked", "-Zbuild-std=core", "--target", triple])
+        .env("CARGO_TARGET_DIR", folder)
+        .env(
+            "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER",
+            linkers.join("rust-lld"),
+        )
+        .env("RUSTC", RUSTC)
+        .env("RUSTC_BOOTSTRAP", "1")
+        .env("PATH", path)
+        .env_remove("RUSTFLAGS");
+    command
+}
