@@ -1,6 +1,7 @@
 //! The kernel embedded: in C, without a system, in a microcontroller, in a browser, on a GPU.
 
 mod bits;
+mod c;
 mod cortex_m;
 mod freestanding;
 mod headers;
