@@ -39,6 +39,11 @@
 //! transcendentals from `libm`, the same operations in the same order on every instruction set.
 #![no_std]
 #![deny(unsafe_code)]
+// The compiler for GPUs is a nightly one in any case.
+#![cfg_attr(
+    target_arch = "nvptx64",
+    feature(abi_ptx, core_float_math, stdarch_nvptx)
+)]
 
 pub mod blob;
 #[cfg(feature = "capi")]
@@ -46,6 +51,8 @@ pub mod capi;
 pub mod emitter;
 pub mod estimate;
 pub mod film;
+#[cfg(all(target_arch = "nvptx64", feature = "gpu"))]
+pub mod gpu;
 pub mod path;
 pub mod random;
 pub mod real;

@@ -1,36 +1,11 @@
 //! The hosted library as C sees it: installed, found, linked, run; the same bits as from Rust.
 
-use super::cornell;
+use crate::cornell;
+use crate::tools::{have, run, text};
 use etendue_tests::header::root;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
-
-/// Whether a tool is there. Where it isn't, a test has nothing to say, but on the CI machine it must be.
-fn have(tool: &str) -> bool {
-    let found = Command::new(tool)
-        .arg("--version")
-        .output()
-        .is_ok_and(|o| o.status.success());
-    assert!(
-        found || std::env::var("CI").as_deref() != Ok("true"),
-        "{tool} is missing"
-    );
-    if !found {
-        eprintln!("left out: {tool} is missing");
-    }
-    found
-}
-
-/// What a command prints; it must succeed.
-fn run(command: &mut Command) -> String {
-    let output = command
-        .output()
-        .unwrap_or_else(|e| panic!("{command:?}: {e}"));
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{command:?}\n{errors}");
-    String::from_utf8(output.stdout).unwrap()
-}
 
 /// Where both libraries are installed, by README's line.
 fn prefix() -> &'static Path {
@@ -57,9 +32,9 @@ fn source() -> PathBuf {
 /// Compiles with everything said out loud; returns the program.
 fn compile(folder: &Path, compiler: &str, source: &Path, flags: &[&str]) -> PathBuf {
     let program = folder.join("program");
-    let flags_of_package = run(Command::new("pkg-config")
+    let flags_of_package = text(&run(Command::new("pkg-config")
         .args(["--cflags", "--libs", "etendue_host"])
-        .env("PKG_CONFIG_PATH", prefix().join("lib/pkgconfig")));
+        .env("PKG_CONFIG_PATH", prefix().join("lib/pkgconfig"))));
     // A shell takes pkg-config's quoting apart.
     let line = format!(
         "{compiler} -Wall -Wextra -Werror -pedantic {} \"$1\" {} -o \"$2\"",
@@ -75,7 +50,7 @@ fn compile(folder: &Path, compiler: &str, source: &Path, flags: &[&str]) -> Path
 
 fn render(folder: &Path, mut command: Command, samples: &str) -> String {
     let picture = folder.join("cornell.ppm");
-    let printed = run(command.arg(&picture).arg(samples));
+    let printed = text(&run(command.arg(&picture).arg(samples)));
     let bytes = std::fs::read(picture).unwrap();
     assert_eq!(&bytes[..15], b"P6\n128 128\n255\n");
     assert_eq!(bytes.len(), 15 + 3 * 128 * 128);
@@ -138,15 +113,15 @@ fn the_headers_are_cxx_too_and_c_of_every_year() {
     let folder = tempfile::tempdir().unwrap();
     for standard in ["-std=c99", "-std=c11", "-std=c17"] {
         let file = folder.path().join("twice.c");
-        let text =
+        let twice =
             "#include <etendue_host.h>\n#include <etendue_host.h>\nint main(void) { return 0; }\n";
-        std::fs::write(&file, text).unwrap();
+        std::fs::write(&file, twice).unwrap();
         compile(folder.path(), "cc", &file, &[standard]);
     }
     let sky = root().join("kernel/examples/cmake/sky.cpp");
     for standard in ["-std=c++11", "-std=c++20"] {
         let program = compile(folder.path(), "c++", &sky, &[standard]);
-        assert_eq!(run(&mut Command::new(program)), "1.000\n");
+        assert_eq!(text(&run(&mut Command::new(program))), "1.000\n");
     }
 }
 

@@ -1,6 +1,11 @@
 //! The kernel embedded: in C, without a system, in a microcontroller, in a browser, on a GPU.
 
+mod bits;
+mod c;
 mod cornell;
+mod cortex_m;
+mod freestanding;
 mod headers;
 mod hosted;
 mod misuse;
+mod tools;

@@ -10,6 +10,7 @@ use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::render::{Budget, Options, render};
 use etendue_host::scene::{Size, prepare};
+use etendue_tests::bits::hash;
 use etendue_tests::render::blob;
 use etendue_tests::scenes::room;
 use std::collections::BTreeMap;
@@ -56,18 +57,6 @@ const ESTIMATORS: [(Estimator, Heuristic); 4] = [
     (Estimator::Bidirectional, Heuristic::Maximum),
 ];
 
-/// FNV-1a over the bits of an image.
-fn hash(image: &[[f32; 3]]) -> String {
-    let bytes = image
-        .as_flattened()
-        .iter()
-        .flat_map(|x| x.to_bits().to_le_bytes());
-    let h = bytes.fold(0xcbf2_9ce4_8422_2325u64, |h, b| {
-        (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3)
-    });
-    format!("{h:016x}")
-}
-
 fn image(scene: &Scene<'_>, estimator: Estimator, heuristic: Heuristic, threads: usize) -> String {
     let settings = Settings {
         estimator,
@@ -80,11 +69,8 @@ fn image(scene: &Scene<'_>, estimator: Estimator, heuristic: Heuristic, threads:
         budget: Budget::Passes(4),
         threads,
     };
-    hash(
-        &render(scene, &options, &AtomicBool::new(false), &|_| ())
-            .unwrap()
-            .image,
-    )
+    let rendered = render(scene, &options, &AtomicBool::new(false), &|_| ()).unwrap();
+    format!("{:016x}", hash(rendered.image.as_flattened()))
 }
 
 #[test]

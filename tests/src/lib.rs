@@ -1,5 +1,6 @@
 //! Shared by the truth, agreement and golden tests.
 
+pub mod bits;
 pub mod fresnel;
 pub mod header;
 pub mod oracles;

@@ -21,3 +21,10 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     loop {}
 }
+
+/// Panics if `index` > 2: `prove-no-panic` must not link with it.
+#[cfg(feature = "plant-a-panic")]
+#[unsafe(no_mangle)]
+pub extern "C" fn etd_planted_panic(index: usize) -> u8 {
+    [7, 8, 9][index]
+}

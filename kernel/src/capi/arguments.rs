@@ -58,7 +58,7 @@ pub(super) fn slice<'a, T: bytemuck::Pod>(
     pointer: *const T,
     count: usize,
 ) -> Result<&'a [T], EtdStatus> {
-    if count == 0 {
+    if count == 0 && pointer.is_null() {
         return Ok(&[]);
     }
     check(pointer)?;
@@ -72,7 +72,7 @@ pub(super) fn slice_mut<'a, T: bytemuck::Pod>(
     pointer: *mut T,
     count: usize,
 ) -> Result<&'a mut [T], EtdStatus> {
-    if count == 0 {
+    if count == 0 && pointer.is_null() {
         return Ok(&mut []);
     }
     check(pointer.cast_const())?;

@@ -95,7 +95,7 @@ impl Point {
         } else {
             outwards
         };
-        let uv = if scene.has(needs::TEXTURES) {
+        let uv = if cfg!(feature = "textures") && scene.has(needs::TEXTURES) {
             longitude_colatitude(outwards)
         } else {
             [0.0, 0.0]

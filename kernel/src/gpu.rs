@@ -1,0 +1,185 @@
+//! The kernel on a GPU: two entries. [`etd_open`] runs once and checks the blob, on the device, where its addresses are;
+//! [`etd_render`] takes samples of pixels, a thread each, into the same exact integers as everywhere else: the image has the bits
+//! that the CPU's has.
+#![allow(unsafe_code)] // device memory that the host owns, special registers
+
+use crate::film::{Refused, Step};
+use crate::{Estimator, Heuristic, Rgb, Scene, Scratch, Settings};
+use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x};
+use core::sync::atomic::{AtomicU64, Ordering};
+
+/// Vertices that a light walk keeps: as many as on the CPU, because the bits depend on it.
+const CAPACITY: usize = 32;
+
+/// What to render; the host fills it in (`host/src/render/cuda.rs` has the same).
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Job {
+    /// 0 path, 1 light, 2 bidirectional.
+    pub estimator: u32,
+    /// 0 balance, 1 power, 2 cutoff, 3 maximum.
+    pub heuristic: u32,
+    /// The most edges of a path; `u32::MAX`: no limit.
+    pub max_edges: u32,
+    /// Samples of each pixel.
+    pub samples: u32,
+    /// Selects the random numbers.
+    pub seed: u64,
+    /// Index of the first sample.
+    pub first_sample: u64,
+    /// First pixel, counted row by row, and how many.
+    pub first_pixel: u64,
+    /// Pixels of this launch.
+    pub pixels: u64,
+}
+
+/// Checks the blob and writes a scene. Run by one thread. `status` becomes 1 if it is a scene, 2 if not.
+///
+/// # Safety
+/// `blob` is `length` bytes of device memory, aligned to 64, that stay; `scene` has room for a [`Scene`].
+#[unsafe(no_mangle)]
+pub unsafe extern "ptx-kernel" fn etd_open(
+    blob: *const u8,
+    length: u64,
+    scene: *mut Scene<'static>,
+    room: u64,
+    status: *mut u64,
+) {
+    // SAFETY: as the caller says.
+    let bytes = unsafe { core::slice::from_raw_parts(blob, length as usize) };
+    let fits = room as usize >= size_of::<Scene<'_>>();
+    let value = match Scene::open(bytes) {
+        Ok(opened) if fits => {
+            // SAFETY: there is room.
+            unsafe { scene.write(opened) };
+            1
+        }
+        _ => 2,
+    };
+    // SAFETY: the caller's to write.
+    unsafe { status.write(value) };
+}
+
+/// Adds to a sum of 128 bits that other threads add to: each carry out of the low word is counted exactly once.
+fn add(sum: &[AtomicU64], value: u128) {
+    let [low, high] = sum else { return };
+    let before = low.fetch_add(value as u64, Ordering::Relaxed);
+    let carry = u64::from(before.checked_add(value as u64).is_none());
+    let above = (value >> 64) as u64 + carry;
+    if above != 0 {
+        high.fetch_add(above, Ordering::Relaxed);
+    }
+}
+
+/// Adds a contribution, or counts that it can't be.
+fn contribute(step: Step, film: &[AtomicU64], pixel: u64, value: Rgb, refused: &mut Refused) {
+    let at = pixel as usize * 6;
+    let Some(sums) = film.get(at..at + 6) else {
+        return;
+    };
+    let [r, g, b] = value.to_array();
+    if let (Some(r), Some(g), Some(b)) = (
+        step.count(r, refused),
+        step.count(g, refused),
+        step.count(b, refused),
+    ) {
+        for (sum, value) in sums.chunks_exact(2).zip([r, g, b]) {
+            add(sum, value);
+        }
+    }
+}
+
+/// Takes samples of `job.pixels` pixels from `job.first_pixel` on, one thread a pixel. Both films have 6 words for each pixel of the
+/// image; `counters` has 8: closest rays, shadow rays, light walks, cut walks, full walks, rejected, saturated, invalid.
+///
+/// # Safety
+/// `scene` was written by [`etd_open`], and its blob is still there; the films have `words` words each.
+#[unsafe(no_mangle)]
+pub unsafe extern "ptx-kernel" fn etd_render(
+    scene: *const Scene<'static>,
+    job: *const Job,
+    samples: *const AtomicU64,
+    splats: *const AtomicU64,
+    words: u64,
+    counters: *const AtomicU64,
+) {
+    // SAFETY: reading special registers, and what the caller says.
+    let (thread, scene, job, samples, splats, counters) = unsafe {
+        (
+            _block_idx_x() as u64 * _block_dim_x() as u64 + _thread_idx_x() as u64,
+            &*scene,
+            *job,
+            core::slice::from_raw_parts(samples, words as usize),
+            core::slice::from_raw_parts(splats, words as usize),
+            core::slice::from_raw_parts(counters, 8),
+        )
+    };
+    let [width, height] = scene.size();
+    let pixel = job.first_pixel + thread;
+    if thread >= job.pixels || pixel >= u64::from(width) * u64::from(height) {
+        return;
+    }
+    let settings = Settings {
+        estimator: match job.estimator {
+            0 => Estimator::Path,
+            1 => Estimator::Light,
+            _ => Estimator::Bidirectional,
+        },
+        heuristic: match job.heuristic {
+            0 => Heuristic::Balance,
+            1 => Heuristic::Power,
+            2 => Heuristic::Cutoff,
+            _ => Heuristic::Maximum,
+        },
+        max_edges: (job.max_edges != u32::MAX).then_some(job.max_edges),
+        seed: job.seed,
+        explicit_weights: false,
+    };
+    let step = Step::new(scene.film_exponent());
+    let mut scratch = Scratch::<CAPACITY>::new();
+    let mut refused = Refused::default();
+    let mut splatted = Refused::default();
+    let row = pixel.checked_div(u64::from(width)).unwrap_or(0);
+    let place = [(pixel - row * u64::from(width)) as u32, row as u32];
+    for i in 0..u64::from(job.samples) {
+        let mut splat = |[x, y]: [u32; 2], value| {
+            let at = u64::from(y) * u64::from(width) + u64::from(x);
+            contribute(step, splats, at, value, &mut splatted);
+        };
+        let own = scene.estimate(
+            &settings,
+            place,
+            job.first_sample + i,
+            &mut scratch,
+            &mut splat,
+        );
+        contribute(step, samples, pixel, own, &mut refused);
+    }
+    refused += splatted;
+    let c = scratch.counters;
+    let values = [
+        c.closest_rays,
+        c.shadow_rays,
+        c.light_walks,
+        c.cut_walks,
+        c.full_walks,
+        c.rejected,
+        refused.saturated,
+        refused.invalid,
+    ];
+    for (counter, value) in counters.iter().zip(values) {
+        if value != 0 {
+            counter.fetch_add(value, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Nothing in the kernel panics: the module has no call to this.
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    unsafe extern "C" {
+        fn etd_panic_is_reachable() -> !;
+    }
+    // SAFETY: never linked: `kernel/ptx/build` fails if this name is in the module.
+    unsafe { etd_panic_is_reachable() }
+}

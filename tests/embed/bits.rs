@@ -1,0 +1,138 @@
+//! The same bits on every target: hashes of a suite of renders (`tests/data/bits.txt`), one line each.
+//!
+//! `ETENDUE_BLESS=1 cargo test --release -p etendue-tests --test embed bits` writes blobs and hashes anew.
+
+use etendue::film::{Refused, Step, Sum};
+use etendue::real::Vec3;
+use etendue::shape::IsaKind;
+use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
+use etendue_host::blob::AlignedBlob;
+use etendue_tests::bits::{hash, scenes};
+use etendue_tests::header::root;
+use etendue_tests::render::blob;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Where the blobs are, and the hashes.
+pub fn data(file: &str) -> PathBuf {
+    root().join("tests/data").join(file)
+}
+
+/// The lines that every target has to print.
+pub fn expected() -> String {
+    std::fs::read_to_string(data("bits.txt")).unwrap_or_default()
+}
+
+const SUITE: [(&str, Estimator, Heuristic); 7] = [
+    ("path balance", Estimator::Path, Heuristic::Balance),
+    ("path maximum", Estimator::Path, Heuristic::Maximum),
+    ("light power", Estimator::Light, Heuristic::Power),
+    (
+        "bidirectional balance",
+        Estimator::Bidirectional,
+        Heuristic::Balance,
+    ),
+    (
+        "bidirectional power",
+        Estimator::Bidirectional,
+        Heuristic::Power,
+    ),
+    (
+        "bidirectional cutoff",
+        Estimator::Bidirectional,
+        Heuristic::Cutoff,
+    ),
+    (
+        "bidirectional maximum",
+        Estimator::Bidirectional,
+        Heuristic::Maximum,
+    ),
+];
+
+const PASSES: u64 = 2;
+
+/// The image of a whole film, by the kernel's own functions.
+fn image(scene: &Scene<'_>, settings: &Settings, scratch: &mut Scratch<8>) -> Vec<f32> {
+    let [w, h] = scene.size();
+    let step = Step::new(scene.film_exponent());
+    let mut refused = Refused::default();
+    let mut samples: Vec<Sum> = vec![[0; 3]; (w * h) as usize];
+    let mut splats = samples.clone();
+    for y in 0..h {
+        for x in 0..w {
+            for index in 0..PASSES {
+                let mut more = Refused::default();
+                let own = scene.estimate(settings, [x, y], index, scratch, &mut |[x, y], v| {
+                    step.add(&mut splats[(y * w + x) as usize], v, &mut more);
+                });
+                step.add(&mut samples[(y * w + x) as usize], own, &mut refused);
+            }
+        }
+    }
+    let pixel = |(own, others)| step.resolve(own, others, PASSES, PASSES, 1);
+    let pixels = samples.iter().zip(&splats).map(pixel);
+    pixels.flat_map(|p| p.map(|c| c as f32)).collect()
+}
+
+/// Irradiance at the middle of the scene, and radiance along a ray from there.
+fn probes(scene: &Scene<'_>, settings: &Settings, scratch: &mut Scratch<8>) -> Vec<f32> {
+    let center = Vec3::from(scene.world().center);
+    let mut values = Vec::new();
+    for index in 0..8 {
+        let e = scene.irradiance(settings, center, Vec3::Z, 1, index, scratch);
+        let l = scene.radiance(settings, center, -Vec3::Z, 2, index, scratch);
+        values.extend(e.to_array().into_iter().chain(l.to_array()));
+    }
+    values
+}
+
+fn lines(isa: IsaKind) -> String {
+    let mut text = String::new();
+    for (name, _) in scenes() {
+        let bytes = AlignedBlob::read(&data(&format!("bits/{name}.etd"))).unwrap();
+        let scene = Scene::open(bytes.bytes()).unwrap().with_isa(isa);
+        for (what, estimator, heuristic) in SUITE {
+            let settings = Settings {
+                estimator,
+                heuristic,
+                seed: 3,
+                ..Settings::default()
+            };
+            let scratch = &mut Scratch::<8>::new();
+            let pixels = hash(&image(&scene, &settings, scratch));
+            let probes = hash(&probes(&scene, &settings, scratch));
+            writeln!(text, "{name} {what} {pixels:016x} {probes:016x}").unwrap();
+        }
+    }
+    text
+}
+
+/// The blobs are those that the compiler makes, and hold what they should.
+#[test]
+fn blobs_are_what_they_were() {
+    let mut needs = 0;
+    for (name, description) in scenes() {
+        let made = blob(&description);
+        let file = data(&format!("bits/{name}.etd"));
+        if std::env::var_os("ETENDUE_BLESS").is_some() {
+            std::fs::create_dir_all(data("bits")).unwrap();
+            std::fs::write(&file, made.bytes()).unwrap();
+        }
+        let known = std::fs::read(&file).unwrap_or_default();
+        assert!(known == made.bytes(), "{} differs", file.display());
+        needs |= Scene::open(made.bytes()).unwrap().needs();
+    }
+    assert_eq!(needs, etendue::blob::format::needs::KNOWN);
+}
+
+#[test]
+fn hashes_are_what_they_were_on_every_instruction_set() {
+    let scalar = lines(IsaKind::Scalar);
+    for isa in [IsaKind::Sse2, IsaKind::Avx2] {
+        assert_eq!(lines(isa), scalar, "{isa:?}");
+    }
+    if std::env::var_os("ETENDUE_BLESS").is_some() {
+        std::fs::write(data("bits.txt"), &scalar).unwrap();
+    }
+    assert_eq!(scalar, expected());
+}

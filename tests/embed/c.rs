@@ -1,0 +1,232 @@
+//! Programs in C and C++ over the freestanding library: strictly compiled, run, run under valgrind and sanitizers.
+
+use crate::tools::{cargo, have, run, target, text};
+use etendue::real::Vec3;
+use etendue::{Estimator, Scene, Scratch, Settings};
+use etendue_host::blob::AlignedBlob;
+use etendue_host::scene::{Size, prepare};
+use etendue_tests::header::root;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::LazyLock;
+
+/// `libetendue.a` as users build it.
+static LIBRARY: LazyLock<PathBuf> = LazyLock::new(|| {
+    let folder = target("capi-plain");
+    run(&mut cargo("kernel/capi", &folder));
+    folder.join("release/libetendue.a")
+});
+
+/// The Cornell box as a blob, `size` pixels wide.
+fn cornell(folder: &Path, size: u32) -> (PathBuf, AlignedBlob) {
+    let size = Size {
+        width: Some(size),
+        height: None,
+    };
+    let blob = prepare(&root().join("host/scenes/cornell-box.xml"), &[], size)
+        .unwrap()
+        .blob;
+    let file = folder.join("cornell.etd");
+    std::fs::write(&file, blob.bytes()).unwrap();
+    (file, blob)
+}
+
+/// Compiles one example.
+fn compile(compiler: &[&str], source: &Path, flags: &[&str], out: &Path) {
+    run(Command::new(compiler[0])
+        .args(&compiler[1..])
+        .args(["-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"])
+        .arg("-I")
+        .arg(root().join("kernel/include"))
+        .arg("-o")
+        .arg(out)
+        .arg(source)
+        .arg(&*LIBRARY)
+        .args(["-lm", "-lpthread"])
+        .args(flags));
+}
+
+fn example(name: &str) -> PathBuf {
+    root().join("kernel/examples/c").join(name)
+}
+
+const SANITIZERS: [&str; 2] = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+
+/// A program's command lines: as it is, under valgrind, with sanitizers.
+fn ways(compiler: &[&str], source: &Path, folder: &Path, flags: &[&str]) -> Vec<Command> {
+    let plain = folder.join("plain");
+    compile(compiler, source, flags, &plain);
+    let sanitized = folder.join("sanitized");
+    compile(compiler, source, &[flags, &SANITIZERS].concat(), &sanitized);
+    let mut ways = vec![Command::new(&plain), Command::new(sanitized)];
+    if have("valgrind") {
+        let mut command = Command::new("valgrind");
+        command
+            .args(["-q", "--error-exitcode=9", "--leak-check=full"])
+            .arg(plain);
+        ways.push(command);
+    }
+    ways
+}
+
+#[test]
+fn hello_irradiance_prints_what_the_kernel_says() {
+    if !have("gcc") {
+        return;
+    }
+    let folder = target("hello");
+    let (file, blob) = cornell(&folder, 64);
+    let scene = Scene::open(blob.bytes()).unwrap();
+    let settings = Settings::default();
+    let mut scratch = Scratch::<8>::new();
+    let mut sum = [0.0f64; 3];
+    for index in 0..4096 {
+        let point = Vec3::new(278.0, 0.0, 279.0);
+        let e = scene.irradiance(&settings, point, Vec3::Y, 0, index, &mut scratch);
+        for (s, v) in sum.iter_mut().zip(e.to_array()) {
+            *s += f64::from(v);
+        }
+    }
+    for mut way in ways(
+        &["gcc", "-std=c99"],
+        &example("hello_irradiance.c"),
+        &folder,
+        &[],
+    ) {
+        let printed = text(&run(way
+            .arg(&file)
+            .args(["278", "0", "279", "0", "1", "0"])));
+        let values: Vec<f64> = printed
+            .split_whitespace()
+            .filter_map(|w| w.parse().ok())
+            .collect();
+        assert_eq!(values.len(), 3, "{printed}");
+        for (value, s) in values.iter().zip(sum) {
+            assert!(
+                (value / (s / 4096.0) - 1.0).abs() < 1e-5,
+                "{printed}, {sum:?}"
+            );
+        }
+    }
+    // A blob that isn't one.
+    let broken = Command::new(folder.join("plain"))
+        .arg(root().join("Cargo.toml"))
+        .args(["0", "0", "0", "0", "1", "0"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&broken.stderr).into_owned();
+    assert!(
+        !broken.status.success() && said.contains("not an Étendue blob"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_baker_with_threads_gives_the_kernels_bits() {
+    if !have("gcc") {
+        return;
+    }
+    let folder = target("bake");
+    let (file, blob) = cornell(&folder, 64);
+    let scene = Scene::open(blob.bytes()).unwrap();
+    let settings = Settings {
+        estimator: Estimator::Bidirectional,
+        ..Settings::default()
+    };
+    let mut scratch = Scratch::<32>::new();
+    let mut expected = b"PF\n32 32\n-1.0\n".to_vec();
+    for texel in 0..1024u16 {
+        let along = |i: u16| (f32::from(i) + 0.5) / 32.0;
+        let (s, t) = (along(texel % 32), along(texel / 32));
+        let point = Vec3::new(0.0 + s * 550.0 + t * 0.0, 0.0, 0.0 + s * 0.0 + t * 559.0);
+        let mut sum = [0.0f64; 3];
+        for index in 0..64 {
+            let id = u64::from(texel);
+            let e = scene.irradiance(&settings, point, Vec3::Y, id, index, &mut scratch);
+            for (s, v) in sum.iter_mut().zip(e.to_array()) {
+                *s += f64::from(v);
+            }
+        }
+        expected.extend(sum.iter().flat_map(|s| ((s / 64.0) as f32).to_le_bytes()));
+    }
+    for mut way in ways(&["gcc", "-std=c11"], &example("bake.c"), &folder, &[]) {
+        let out = folder.join("floor.pfm");
+        run(way.arg(&file).arg(&out));
+        assert!(std::fs::read(&out).unwrap() == expected, "{way:?}");
+    }
+}
+
+#[test]
+fn an_engines_own_ray_tracer_gives_the_same_image() {
+    if !have("g++")
+        || !(have("/usr/include/embree3/rtcore.h") || have("/usr/include/embree4/rtcore.h"))
+    {
+        return;
+    }
+    let folder = target("embree");
+    let (file, _) = cornell(&folder, 48);
+    let embree = if Path::new("/usr/include/embree4/rtcore.h").exists() {
+        "-lembree4"
+    } else {
+        "-lembree3"
+    };
+    let program = folder.join("embree");
+    compile(
+        &["g++", "-std=c++17"],
+        &example("embree.cpp"),
+        &[embree],
+        &program,
+    );
+    let printed = text(&run(Command::new(&program).arg(&file)));
+    let values: Vec<f64> = printed
+        .split_whitespace()
+        .map(|w| w.parse().unwrap())
+        .collect();
+    let &[ours, theirs, error, different] = values.as_slice() else {
+        panic!("{printed}");
+    };
+    // The same random numbers: what differs is a ray here and there. Seven standard errors of the difference, and a share of
+    // pixels that a wrong answer to one kind of ray would exceed by far.
+    assert!(
+        (ours - theirs).abs() <= 7.0 * error && ours > 0.0,
+        "{printed}"
+    );
+    assert!(different < 0.02, "{printed}");
+    println!("{printed}");
+}
+
+fn beside(name: &str) -> PathBuf {
+    root().join("tests/embed").join(name)
+}
+
+#[test]
+fn misuse_is_found_out() {
+    if !have("gcc") {
+        return;
+    }
+    let folder = target("misuse");
+    for scene in ["matter", "open_air"] {
+        let blob = crate::bits::data(&format!("bits/{scene}.etd"));
+        for mut way in ways(&["gcc", "-std=c11"], &beside("misuse.c"), &folder, &[]) {
+            run(way.arg(&blob));
+        }
+    }
+}
+
+#[test]
+fn the_callers_control_word_is_kept_and_does_not_matter() {
+    if !have("gcc") || !cfg!(target_arch = "x86_64") {
+        return;
+    }
+    let folder = target("control");
+    compile(
+        &["gcc", "-std=c11"],
+        &beside("control.c"),
+        &[],
+        &folder.join("control"),
+    );
+    for scene in ["matter", "open_air", "plan"] {
+        let blob = crate::bits::data(&format!("bits/{scene}.etd"));
+        run(Command::new(folder.join("control")).arg(blob));
+    }
+}

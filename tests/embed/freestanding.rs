@@ -1,0 +1,104 @@
+//! The static library without an operating system: links with nothing undefined, holds no panic, gives the same bits.
+
+use crate::bits::{data, expected};
+use crate::tools::{cargo, have, run, target, text};
+use etendue::{Estimator, Scene, Settings};
+use etendue_host::render::{Budget, Options, render};
+use etendue_host::scene::{Size, prepare};
+use etendue_tests::bits::hash;
+use etendue_tests::header::root;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::atomic::AtomicBool;
+
+/// Builds `libetendue.a` whose panic handler calls what nobody defines, with what else is asked for.
+fn library(name: &str, extra: &[&str]) -> PathBuf {
+    let folder = target(name);
+    let mut command = cargo("kernel/capi", &folder);
+    run(command.args(["--features", "prove-no-panic"]).args(extra));
+    folder.join("release/libetendue.a")
+}
+
+fn gcc(source: &Path, library: &Path, out: &Path) -> Command {
+    let mut command = Command::new("gcc");
+    command
+        .args(["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror"])
+        .args(["-ffreestanding", "-fno-builtin", "-fno-stack-protector"])
+        .args([
+            "-fno-tree-loop-distribute-patterns",
+            "-nostdlib",
+            "-static",
+            "-no-pie",
+        ])
+        .arg("-I")
+        .arg(root().join("kernel/include"))
+        .arg(source)
+        .arg(library)
+        .args(["-Wl,--gc-sections", "-o"])
+        .arg(out);
+    command
+}
+
+#[test]
+fn without_a_system_it_renders_the_same_bits_and_cannot_panic() {
+    if !have("gcc") || !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
+        return;
+    }
+    let folder = target("freestanding");
+    let size = Size {
+        width: Some(64),
+        height: None,
+    };
+    let cornell = prepare(&root().join("host/scenes/cornell-box.xml"), &[], size).unwrap();
+    let blob = folder.join("cornell.etd");
+    std::fs::write(&blob, cornell.blob.bytes()).unwrap();
+    let library = library("capi", &[]);
+    let program = folder.join("main");
+    let source = root().join("kernel/examples/freestanding/main.c");
+    run(gcc(&source, &library, &program)
+        .arg(format!("-DBLOBS=\"{}\"", data("bits").display()))
+        .arg(format!("-DCORNELL=\"{}\"", blob.display())));
+    let undefined = text(&run(Command::new("nm").arg("-u").arg(&program)));
+    assert_eq!(undefined.trim(), "", "undefined symbols");
+    let printed = text(&run(Command::new(&program).current_dir(&folder)));
+
+    let scene = Scene::open(cornell.blob.bytes()).unwrap();
+    let options = Options {
+        settings: Settings {
+            estimator: Estimator::Bidirectional,
+            ..Settings::default()
+        },
+        budget: Budget::Passes(16),
+        threads: 2,
+    };
+    let native = render(&scene, &options, &AtomicBool::new(false), &|_| ()).unwrap();
+    let cornell = hash(native.image.as_flattened());
+    assert_eq!(printed, format!("{}cornell {cornell:016x}\n", expected()));
+    let picture = std::fs::read(folder.join("cornell.ppm")).unwrap();
+    assert_eq!(picture.len(), 13 + 3 * 64 * 64);
+}
+
+/// The proof finds a panic where there is one.
+#[test]
+fn a_planted_panic_does_not_link() {
+    if !have("gcc") || !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
+        return;
+    }
+    let folder = target("planted");
+    let source = folder.join("main.c");
+    std::fs::write(
+        &source,
+        "unsigned char etd_planted_panic(unsigned long);\n\
+         void _start(void) { etd_planted_panic((unsigned long)&_start); }\n",
+    )
+    .unwrap();
+    let library = library("planted", &["--features", "plant-a-panic"]);
+    let output = gcc(&source, &library, &folder.join("main"))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        !output.status.success() && said.contains("etd_panic_is_reachable"),
+        "{said}"
+    );
+}

@@ -1,0 +1,257 @@
+//! Scenes for the same bits everywhere: between them every surface, texture, light, sensor and filter that exists, small
+//! enough for a microcontroller. Their blobs are checked in (`tests/data/bits`), so that no target depends on the compiler.
+
+use crate::scenes::{Builder, room};
+use etendue_host::description::{
+    Color, ColorSource, Description, EmitterKind, Filter, Image, Model, Pattern, Projection,
+    Texels, Texture, Wrap,
+};
+
+/// Columns and rows of the images.
+pub const SIZE: [u32; 2] = [16, 12];
+
+fn constant(c: f32) -> ColorSource {
+    ColorSource::Constant([c; 3])
+}
+
+fn texture(b: &mut Builder, pattern: Pattern) -> ColorSource {
+    let textures = &mut b.description.textures;
+    textures.push(Texture {
+        name: format!("texture {}", textures.len()),
+        pattern,
+        to_uv: [[2.0, 0.5, 0.1], [-0.5, 2.0, 0.3]],
+    });
+    ColorSource::Texture(textures.len() - 1)
+}
+
+/// A gradient with some structure, of 5 × 3 texels.
+fn image(texels: fn(Vec<[u8; 4]>) -> Texels) -> Image {
+    let texel = |i: u8| [20 + 15 * i, 250 - 16 * i, 37 * (i % 7), 255 - 13 * i];
+    Image {
+        width: 5,
+        height: 3,
+        texels: texels((0..15).map(texel).collect()),
+    }
+}
+
+fn bitmap(image: Image, nearest: bool, wrap: Wrap, alpha: bool) -> Pattern {
+    Pattern::Bitmap {
+        image,
+        nearest,
+        wrap,
+        alpha,
+    }
+}
+
+fn float(texels: Vec<[u8; 4]>) -> Texels {
+    Texels::Float(
+        texels
+            .into_iter()
+            .map(|[r, g, b, _]| [r, g, b].map(|c| f32::from(c) / 255.0))
+            .collect(),
+    )
+}
+
+fn sky(count: usize) -> Vec<Color> {
+    (0..count)
+        .map(|i| {
+            let x = (i * 29 % 31) as f32 / 31.0;
+            [0.2 + x, 0.5, if i % 5 == 0 { 3.0 } else { 0.1 }]
+        })
+        .collect()
+}
+
+/// A room with one of every local model, a pinhole camera, area, point and spot lights.
+fn matter() -> Description {
+    room(|b| {
+        let board = texture(
+            b,
+            Pattern::Checkerboard {
+                colors: [[0.8, 0.7, 0.2], [0.1, 0.2, 0.4]],
+            },
+        );
+        let srgb = texture(b, bitmap(image(Texels::Srgb8), false, Wrap::Repeat, false));
+        let linear = texture(b, bitmap(image(Texels::Linear8), true, Wrap::Mirror, false));
+        let floats = texture(b, bitmap(image(float), false, Wrap::Clamp, false));
+        let mask = texture(b, bitmap(image(Texels::Linear8), false, Wrap::Repeat, true));
+        let floor = b.material(Model::Diffuse {
+            reflectance: board,
+            transmittance: constant(0.0),
+        });
+        b.quad(
+            [-1.0, -1.0, 0.01],
+            [2.0, 0.0, 0.0],
+            [0.0, 2.0, 0.0],
+            Some(floor),
+        );
+        let leaf = b.material(Model::Diffuse {
+            reflectance: srgb,
+            transmittance: linear,
+        });
+        b.quad(
+            [-0.9, -0.4, 0.9],
+            [0.8, 0.0, 0.1],
+            [0.0, 0.5, 0.3],
+            Some(leaf),
+        )
+        .opacity = Some(mask);
+        let glass = Some(b.glass(1.5));
+        b.sphere([0.5, 0.0, 0.35], 0.3, glass);
+        let water = b.material(Model::Dielectric {
+            ior: 1.33,
+            reflectance: constant(1.0),
+            transmittance: ColorSource::Constant([0.8, 0.9, 1.0]),
+            schlick: true,
+        });
+        b.cuboid([-0.9, -0.2, 0.05], [-0.5, 0.2, 0.5], false, Some(water));
+        let mirror = Some(b.mirror(0.9));
+        b.quad([-0.3, 0.9, 0.2], [0.6, 0.05, 0.0], [0.0, 0.0, 0.9], mirror);
+        let gold = b.material(Model::Conductor {
+            eta: [0.14, 0.37, 1.44],
+            k: [3.98, 2.39, 1.6],
+            reflectance: constant(1.0),
+        });
+        b.sphere([0.0, 0.3, 0.25], 0.2, Some(gold));
+        let sheet = b.material(Model::Sheet {
+            specular_reflectance: constant(0.1),
+            specular_transmittance: floats,
+            diffuse_reflectance: constant(0.2),
+            diffuse_transmittance: constant(0.3),
+        });
+        b.quad(
+            [0.1, -0.5, 1.0],
+            [0.7, 0.2, 0.0],
+            [0.0, 0.3, 0.5],
+            Some(sheet),
+        );
+        let null = Some(b.material(Model::Null));
+        b.cuboid([-0.5, -0.9, 0.02], [0.2, -0.4, 0.6], false, null);
+        let white = Some(b.diffuse([0.8; 3]));
+        b.sphere([-0.2, -0.5, 1.5], 0.12, white).emission = Some([4.0, 2.0, 1.0]);
+        b.light(EmitterKind::Point {
+            position: [0.7, -0.7, 1.7],
+            intensity: [0.3, 0.4, 0.6],
+        });
+        b.light(EmitterKind::Spot {
+            position: [-0.7, -0.7, 1.8],
+            direction: [0.6, 0.48, -0.64],
+            intensity: [2.0, 1.0, 1.0],
+            cutoff: 0.6,
+            beam_width: 0.4,
+        });
+        b.light(EmitterKind::Constant { radiance: [0.1; 3] });
+        b.description.sensor.resolution = SIZE;
+    })
+    .description
+}
+
+/// A few things in the open: lat-long sky, sun, thin lens, Gaussian filter, coarse smooth normals.
+fn open_air() -> Description {
+    let mut b = Builder::new().camera(
+        [0.0, -3.0, 1.2],
+        [0.0, 0.0, 0.4],
+        [0.0, 0.0, 1.0],
+        45.0,
+        SIZE,
+    );
+    furnish(&mut b);
+    b.light(EmitterKind::LatLong {
+        width: 8,
+        height: 5,
+        texels: sky(40),
+        scale: 0.7,
+        to_local: [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
+    });
+    b.light(EmitterKind::Directional {
+        direction: [0.6, 0.0, -0.8],
+        irradiance: [2.0, 1.8, 1.5],
+    });
+    let sensor = &mut b.description.sensor;
+    if let Projection::Perspective {
+        aperture, focus, ..
+    } = &mut sensor.projection
+    {
+        (*aperture, *focus) = (0.1, 2.8);
+    }
+    sensor.filter = Filter::Gaussian {
+        sigma: 0.6,
+        radius: 2.0,
+    };
+    b.description
+}
+
+/// The same from parallel rays through a crop window and a tent, under a cube map.
+fn plan() -> Description {
+    let mut b = Builder::new().camera(
+        [0.0, -3.0, 3.0],
+        [0.0, 0.0, 0.2],
+        [0.0, 0.0, 1.0],
+        45.0,
+        SIZE,
+    );
+    furnish(&mut b);
+    b.light(EmitterKind::CubeMap {
+        width: 2,
+        texels: sky(24),
+        scale: 1.0,
+        to_local: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    });
+    let sensor = &mut b.description.sensor;
+    sensor.projection = Projection::Orthographic {
+        half_extent: [1.6, 1.2],
+    };
+    sensor.resolution = [24, 18];
+    sensor.crop = Some([5, 4, SIZE[0], SIZE[1]]);
+    sensor.filter = Filter::Tent { radius: 1.0 };
+    b.description
+}
+
+fn furnish(b: &mut Builder) {
+    let white = Some(b.diffuse([0.7, 0.6, 0.5]));
+    b.quad([-2.0, -2.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], white);
+    let glass = Some(b.glass(1.5));
+    b.sphere([0.6, 0.0, 0.4], 0.4, glass);
+    // An octahedron that passes for a ball.
+    let v = |i: usize| -> [f32; 3] {
+        std::array::from_fn(|a| if a == i / 2 { [1.0, -1.0][i % 2] } else { 0.0 })
+    };
+    let normals: Vec<_> = (0..6).map(v).collect();
+    let positions = normals
+        .iter()
+        .map(|n| [n[0] * 0.5 - 0.6, n[1] * 0.5, n[2] * 0.5 + 0.5])
+        .collect();
+    let triangles = (0..8)
+        .map(|i: u32| {
+            let (x, y, z) = (i & 1, 2 + (i >> 1 & 1), 4 + (i >> 2));
+            if i.count_ones() % 2 == 0 {
+                [x, y, z]
+            } else {
+                [x, z, y]
+            }
+        })
+        .collect();
+    let mesh = etendue_host::description::Mesh {
+        positions,
+        normals: Some(normals),
+        uvs: None,
+        triangles,
+    };
+    b.shape(etendue_host::description::Geometry::Mesh(mesh), white);
+}
+
+/// All of them, by name.
+pub fn scenes() -> [(&'static str, Description); 3] {
+    [
+        ("matter", matter()),
+        ("open_air", open_air()),
+        ("plan", plan()),
+    ]
+}
+
+/// FNV-1a over the bits of single-precision numbers, lowest byte first: the hash that every target prints.
+pub fn hash(values: &[f32]) -> u64 {
+    let bytes = values.iter().flat_map(|x| x.to_bits().to_le_bytes());
+    bytes.fold(0xcbf2_9ce4_8422_2325, |h, b| {
+        (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3)
+    })
+}
