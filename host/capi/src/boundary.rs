@@ -1,7 +1,7 @@
 //! The border to C: nothing unwinds across it, and what goes wrong is a status and a line of text.
 
 use etendue::capi::status::{
-    ETD_E_MISALIGNED, ETD_E_NULL, ETD_E_PANIC, ETD_OK, EtdStatus, etd_error_string,
+    ETD_E_MEMORY, ETD_E_MISALIGNED, ETD_E_NULL, ETD_E_PANIC, ETD_OK, EtdStatus, etd_error_string,
 };
 use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -42,6 +42,15 @@ impl From<EtdStatus> for Trouble {
         let text = unsafe { CStr::from_ptr(etd_error_string(status)) };
         Self::new(status, text.to_string_lossy())
     }
+}
+
+/// A copy of what C gave; too much of it is an error, not the end of the process.
+pub(crate) fn copied<T: Copy>(values: &[T]) -> Result<Vec<T>, EtdStatus> {
+    let mut copy = Vec::new();
+    copy.try_reserve_exact(values.len())
+        .map_err(|_| ETD_E_MEMORY)?;
+    copy.extend_from_slice(values);
+    Ok(copy)
 }
 
 /// Writes as much of `text` into `buffer` as fits, whole characters, and a 0 behind it.

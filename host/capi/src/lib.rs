@@ -1,7 +1,7 @@
 //! `libetendue_host.a`: all C functions of the kernel (`etendue.h`), and those that build, load and render scenes
 //! (`etendue_host.h`).
 //!
-//! One room, one rule each: [`boundary`] lets nothing unwind into C; [`hooks`] are the caller's allocator, log and threads' number;
+//! One room, one rule each: `boundary` lets nothing unwind into C; [`hooks`] are the caller's allocator, log and threads' number;
 //! [`blob`] hands out memory; [`builder`] keeps a scene that C describes, with [`camera`], [`surface`], [`object`] and [`light`]
 //! turning its structs into the host's description; [`load`] reads scene files; [`render`] renders.
 // A pointer's contract stands in the function's own documentation, which is C's header.

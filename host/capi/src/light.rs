@@ -1,7 +1,7 @@
 //! Lights that aren't objects.
 
 use crate::arguments::{Sized32, input, place, slice};
-use crate::boundary::{Trouble, fill};
+use crate::boundary::{Trouble, copied, fill};
 use crate::builder::{EtdBuilder, edit};
 use etendue::capi::status::{ETD_E_ARGUMENT, ETD_E_SIZE, EtdStatus};
 use etendue_host::description::{Color, Emitter, EmitterKind};
@@ -182,7 +182,7 @@ fn kind(l: &EtdLight) -> Result<EmitterKind, Trouble> {
             }
             let texels = slice(l.texels.cast::<Color>(), count)?;
             ensure(emitted(texels.as_flattened()), "texels must be 0 to 1e30")?;
-            let (texels, to_local) = (texels.to_vec(), l.axes);
+            let (texels, to_local) = (copied(texels)?, l.axes);
             Ok(match cube {
                 true => EmitterKind::CubeMap {
                     width: l.width,

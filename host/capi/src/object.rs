@@ -1,7 +1,7 @@
 //! Objects: meshes and spheres, and where they are.
 
 use crate::arguments::{Sized32, input, place, slice};
-use crate::boundary::{Trouble, fill};
+use crate::boundary::{Trouble, copied, fill};
 use crate::builder::{Described, ETD_NONE, EtdBuilder, edit};
 use crate::surface::{finite, optional_id};
 use etendue::capi::status::{ETD_E_ARGUMENT, EtdStatus};
@@ -206,10 +206,10 @@ pub unsafe extern "C" fn etd_builder_add_mesh(
             )));
         }
         let geometry = Geometry::Mesh(Mesh {
-            positions: positions.to_vec(),
-            normals: (!normals.is_empty()).then(|| normals.to_vec()),
-            uvs: (!uvs.is_empty()).then(|| uvs.to_vec()),
-            triangles: triangles.to_vec(),
+            positions: copied(positions)?,
+            normals: Some(copied(normals)?).filter(|n| !n.is_empty()),
+            uvs: Some(copied(uvs)?).filter(|uv| !uv.is_empty()),
+            triangles: copied(triangles)?,
         });
         *id = add(scene, geometry, [m.front, m.back, m.opacity], m.emission)?;
         Ok(())

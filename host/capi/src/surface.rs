@@ -1,7 +1,7 @@
 //! Local models and textures.
 
 use crate::arguments::{Sized32, input, place, slice};
-use crate::boundary::{Trouble, fill};
+use crate::boundary::{Trouble, copied, fill};
 use crate::builder::{Described, ETD_NONE, EtdBuilder, edit};
 use etendue::capi::status::{ETD_E_ARGUMENT, ETD_E_SIZE, EtdStatus};
 use etendue_host::description::{
@@ -227,12 +227,12 @@ fn pattern(t: &EtdTexture) -> Result<Pattern, Trouble> {
     }
     let small = || slice(t.texels.cast::<[u8; 4]>(), count);
     let texels = match t.kind {
-        ETD_SRGB8 => Texels::Srgb8(small()?.to_vec()),
-        ETD_LINEAR8 => Texels::Linear8(small()?.to_vec()),
+        ETD_SRGB8 => Texels::Srgb8(copied(small()?)?),
+        ETD_LINEAR8 => Texels::Linear8(copied(small()?)?),
         _ => {
             let texels = slice(t.texels.cast::<Color>(), count)?;
             shares("texture", texels)?;
-            Texels::Float(texels.to_vec())
+            Texels::Float(copied(texels)?)
         }
     };
     Ok(Pattern::Bitmap {

@@ -231,19 +231,27 @@ impl Job<'_> {
             splats.push(worker.splats);
         }
         let splats = add_up(run, splats)?;
-        rendered.image = self.resolve(tiles, &splats, done);
+        rendered.image = self.resolve(tiles, &splats, done)?;
         Ok(rendered)
     }
 
     /// The image, row by row.
-    fn resolve(&self, tiles: Vec<Mutex<Tile<'_>>>, splats: &[Sum], passes: u64) -> Vec<[f32; 3]> {
-        let [width, height] = self.size.map(u64::from);
-        let pixels = width * height;
-        let mut image = vec![[0.0; 3]; pixels as usize];
+    fn resolve(
+        &self,
+        tiles: Vec<Mutex<Tile<'_>>>,
+        splats: &[Sum],
+        passes: u64,
+    ) -> Result<Vec<[f32; 3]>, RenderError> {
+        let [width, height] = self.size.map(|n| n as usize);
+        let mut image = Vec::new();
+        image
+            .try_reserve_exact(width * height)
+            .map_err(|_| RenderError::TooLarge { size: self.size })?;
+        image.resize(width * height, [0.0; 3]);
         for tile in tiles {
             let mut tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);
             for ([x, y], own) in tile.pixels() {
-                let at = y as usize * width as usize + x as usize;
+                let at = y as usize * width + x as usize;
                 let splat = splats.get(at).unwrap_or(&[0; 3]);
                 // The kernel has scaled splats by 1/pixels; one light walk goes with each sample of each pixel,
                 // so that of their number, pixels · passes, only the passes are left to divide by.
@@ -251,7 +259,7 @@ impl Job<'_> {
                 image[at] = value.map(|x| x as f32);
             }
         }
-        image
+        Ok(image)
     }
 }
 

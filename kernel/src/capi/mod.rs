@@ -1,8 +1,8 @@
 //! The C functions: what `etendue.h` declares (architecture: two static libraries, `kernel/capi` and `host/capi`).
 //!
 //! One room, one rule each:
-//! [`status`] numbers what can go wrong; [`arguments`] turns pointers into references or a status;
-//! [`control`] holds the floating-point control word; [`hooks`] makes the caller's functions a
+//! [`status`] numbers what can go wrong; `arguments` turns pointers into references or a status;
+//! `control` holds the floating-point control word; [`hooks`] makes the caller's functions a
 //! [`crate::shape::Tracer`] and a [`crate::random::Sampler`]; [`scene`], [`estimate`], [`film`] are the functions.
 //!
 //! No function allocates, keeps a pointer beyond the call (a scene keeps its blob), or unwinds: the kernel
