@@ -4,6 +4,7 @@ mod bits;
 mod c;
 mod cornell;
 mod cortex_m;
+mod described;
 mod freestanding;
 mod headers;
 mod hosted;

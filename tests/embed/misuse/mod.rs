@@ -15,7 +15,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::ptr::{null, null_mut};
 
 /// A struct as its default function makes it.
-fn made<T>(default: unsafe extern "C" fn(*mut T) -> EtdStatus) -> T {
+pub fn made<T>(default: unsafe extern "C" fn(*mut T) -> EtdStatus) -> T {
     let mut value = std::mem::MaybeUninit::<T>::uninit();
     // SAFETY: memory for a T, which the function fills in.
     unsafe {
@@ -27,12 +27,12 @@ fn made<T>(default: unsafe extern "C" fn(*mut T) -> EtdStatus) -> T {
 }
 
 /// One byte further.
-fn off<T>(pointer: *mut T) -> *mut T {
+pub fn off<T>(pointer: *mut T) -> *mut T {
     pointer.cast::<u8>().wrapping_add(1).cast()
 }
 
 /// A struct to be filled in, or one whose zeros are fine.
-fn sized<T>() -> T {
+pub fn sized<T>() -> T {
     // SAFETY: structs of the header: numbers and nullable pointers, a `u32` first.
     unsafe {
         let mut value: T = std::mem::zeroed();
@@ -42,7 +42,7 @@ fn sized<T>() -> T {
 }
 
 /// Tries a call with a good struct, and with all that is wrong with pointers to structs.
-fn pointers<T: Copy>(good: T, call: impl Fn(*mut T) -> EtdStatus) {
+pub fn pointers<T: Copy>(good: T, call: impl Fn(*mut T) -> EtdStatus) {
     let mut value = good;
     assert_eq!(call(null_mut()), ETD_E_NULL);
     assert_eq!(call(off(&raw mut value)), ETD_E_MISALIGNED);
@@ -56,10 +56,10 @@ fn pointers<T: Copy>(good: T, call: impl Fn(*mut T) -> EtdStatus) {
     assert_eq!(call(&raw mut value), ETD_OK);
 }
 
-struct Builder(*mut EtdBuilder);
+pub struct Builder(pub *mut EtdBuilder);
 
 impl Builder {
-    fn new(host: *const EtdHost) -> Self {
+    pub fn new(host: *const EtdHost) -> Self {
         let mut builder = null_mut();
         // SAFETY: good pointers.
         let status = unsafe { etd_builder_create(ETD_ABI_VERSION, host, &raw mut builder) };
@@ -68,7 +68,7 @@ impl Builder {
     }
 
     /// With one triangle that shines, seen by a camera of 8 × 8 pixels.
-    fn small(host: *const EtdHost) -> Self {
+    pub fn small(host: *const EtdHost) -> Self {
         let builder = Self::new(host);
         let mut camera = made(etd_camera_default);
         (camera.width, camera.height) = (8, 8);
@@ -85,7 +85,7 @@ impl Builder {
         builder
     }
 
-    fn message(&self) -> String {
+    pub fn message(&self) -> String {
         let mut buffer = [0 as c_char; 256];
         // SAFETY: good pointers; the text ends with a 0.
         unsafe {
@@ -97,7 +97,7 @@ impl Builder {
         }
     }
 
-    fn build(&self) -> EtdBlob {
+    pub fn build(&self) -> EtdBlob {
         let mut blob = sized();
         // SAFETY: good pointers.
         let status = unsafe { etd_builder_build(self.0, &raw mut blob, null_mut()) };
@@ -116,7 +116,7 @@ impl Drop for Builder {
 static POSITIONS: [f32; 9] = [-1., -1., 2., 1., -1., 2., 0., 1., 2.];
 static INDICES: [u32; 3] = [0, 2, 1];
 
-fn triangle() -> EtdMesh {
+pub fn triangle() -> EtdMesh {
     let mut mesh = made(etd_mesh_default);
     (mesh.vertices, mesh.triangles) = (3, 1);
     (mesh.positions, mesh.indices) = (POSITIONS.as_ptr(), INDICES.as_ptr());
