@@ -11,12 +11,12 @@ mod precision {
     /// Three `Real`s. `Vec3A` is never used: its `normalize` differs between instruction sets.
     pub type Vec3 = glam::Vec3;
     pub use core::f32::consts;
+    #[cfg(not(target_arch = "nvptx64"))]
+    pub use libm::sqrtf as sqrt;
     pub use libm::{
         acosf as acos, asinf as asin, atan2f as atan2, cosf as cos, erff as erf, expf as exp,
         expm1f as expm1, logf as log, powf as pow, sinf as sin, tanf as tan,
     };
-    #[cfg(not(target_arch = "nvptx64"))]
-    pub use libm::sqrtf as sqrt;
 
     /// √x by the GPU's own instruction: correctly rounded like libm's, and many times faster than it is there.
     #[cfg(target_arch = "nvptx64")]

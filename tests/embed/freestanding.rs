@@ -3,7 +3,7 @@
 use crate::bits::{data, expected};
 use crate::tools::{cargo, have, run, target, text};
 use etendue::{Estimator, Scene, Settings};
-use etendue_host::render::{Budget, Options, render};
+use etendue_host::render::{Budget, Device, Options, render};
 use etendue_host::scene::{Size, prepare};
 use etendue_tests::bits::hash;
 use etendue_tests::header::root;
@@ -70,6 +70,7 @@ fn without_a_system_it_renders_the_same_bits_and_cannot_panic() {
         },
         budget: Budget::Passes(16),
         threads: 2,
+        device: Device::Cpu,
     };
     let native = render(&scene, &options, &AtomicBool::new(false), &|_| ()).unwrap();
     let cornell = hash(native.image.as_flattened());

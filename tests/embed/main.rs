@@ -4,5 +4,6 @@ mod bits;
 mod c;
 mod cortex_m;
 mod freestanding;
+mod gpu;
 mod headers;
 mod tools;

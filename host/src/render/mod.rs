@@ -2,6 +2,8 @@
 //! films add integers, so neither threads nor tiles matter.
 
 mod budget;
+#[cfg(feature = "cuda")]
+mod cuda;
 mod tiles;
 
 pub use budget::Budget;
@@ -26,6 +28,18 @@ pub struct Options {
     pub budget: Budget,
     /// Threads; 0 for one per core.
     pub threads: usize,
+    /// What renders. The image doesn't depend on it.
+    pub device: Device,
+}
+
+/// What renders.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Device {
+    /// Threads.
+    #[default]
+    Cpu,
+    /// A GPU of NVIDIA's (feature `cuda`).
+    Cuda,
 }
 
 /// A finished image.
@@ -69,6 +83,9 @@ pub enum RenderError {
         /// What rayon says.
         source: rayon::ThreadPoolBuildError,
     },
+    /// The GPU, or its driver, isn't there or fails.
+    #[error("{0}")]
+    Gpu(String),
     /// The image's sums don't fit into memory.
     #[error("not enough memory for an image of {} × {} pixels", .size[0], .size[1])]
     TooLarge {
@@ -97,13 +114,21 @@ struct Job<'a> {
 /// is told of the progress by all threads, tile by tile.
 ///
 /// # Errors
-/// If the threads can't be started or the image doesn't fit into memory.
+/// If the threads can't be started, the image doesn't fit into memory, or the GPU that is asked for isn't there.
 pub fn render(
     scene: &Scene<'_>,
     options: &Options,
     stop: &AtomicBool,
     watch: &(dyn Fn(Progress) + Sync),
 ) -> Result<Rendered, RenderError> {
+    if options.device == Device::Cuda {
+        #[cfg(feature = "cuda")]
+        return cuda::render(scene, options, stop, watch);
+        #[cfg(not(feature = "cuda"))]
+        return Err(RenderError::Gpu(
+            "this program was built without GPUs: build it with --features cuda".into(),
+        ));
+    }
     let threads = options.threads;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
