@@ -12,9 +12,11 @@
  *   Arrays    are the caller's, and are copied by the call that takes them. Nulls are ETD_E_NULL, wrong alignments
  *             ETD_E_MISALIGNED, numbers out of range ETD_E_ARGUMENT; etd_builder_message says which.
  *   Memory    what etd_…_create makes, etd_…_free frees; blobs belong to the caller and are freed by etd_blob_free.
+ *             Arrays, films and blobs that don't fit into memory are ETD_E_MEMORY; lesser shortages end the process.
  *   Threads   a builder is used by one thread at a time. All else may be called by any number at once. Threads that the
  *             library starts are that call's own and end with it; there is no global pool.
- *   Panics    are bugs of the library. They end at its boundary, as ETD_E_PANIC, and never unwind into C.
+ *   Panics    are bugs of the library. They end at its boundary, as ETD_E_PANIC, and never unwind into C; a line
+ *             about them goes to the standard error stream.
  */
 
 

@@ -51,7 +51,7 @@ pub mod capi;
 pub mod emitter;
 pub mod estimate;
 pub mod film;
-#[cfg(all(target_arch = "nvptx64", feature = "gpu"))]
+#[cfg(any(all(target_arch = "nvptx64", feature = "gpu"), test))]
 pub mod gpu;
 pub mod path;
 pub mod random;

@@ -12,7 +12,7 @@
 
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::develop::read;
-use etendue_host::render::{Budget, Options, render};
+use etendue_host::render::{Budget, Device, Options, render};
 use etendue_host::scene::{Size, prepare};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -73,6 +73,7 @@ fn measure(
                 },
                 budget: Budget::Passes(passes),
                 threads: 1,
+                device: Device::Cpu,
             };
             let r = render(&scene, &options, &AtomicBool::new(false), &|_| ())
                 .unwrap_or_else(|e| panic!("{e}"));

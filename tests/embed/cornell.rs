@@ -6,7 +6,7 @@ use etendue_host::description::{
     ColorSource, Description, Filter, Geometry, Material, Mesh, Model, Place, Projection, Sensor,
     Shape,
 };
-use etendue_host::render::{Budget, Options, render};
+use etendue_host::render::{Budget, Device, Options, render};
 use std::sync::atomic::AtomicBool;
 
 type Points = Vec<[f32; 3]>;
@@ -132,6 +132,7 @@ pub fn printed(samples: u64) -> String {
             },
             budget: Budget::Passes(samples),
             threads: 1,
+            device: Device::Cpu,
         };
         let image = render(&scene, &options, &AtomicBool::new(false), &|_| ()).unwrap();
         let bytes = image.image.as_flattened().iter();

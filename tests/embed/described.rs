@@ -91,6 +91,7 @@ fn textures_and_materials() {
         };
         // SAFETY: good pointers.
         assert_eq!(
+            // SAFETY: good pointers.
             unsafe { etd_builder_add_texture(builder.0, &t, &raw mut id) },
             ETD_OK
         );
@@ -139,6 +140,7 @@ fn textures_and_materials() {
         m.flags = u32::from(kind == ETD_DIELECTRIC) * ETD_SCHLICK;
         // SAFETY: good pointers.
         assert_eq!(
+            // SAFETY: good pointers.
             unsafe { etd_builder_add_material(builder.0, &m, &raw mut id) },
             ETD_OK
         );
@@ -239,6 +241,7 @@ fn textures_and_materials() {
     m.color[0] = c;
     // SAFETY: good pointers.
     assert_eq!(
+        // SAFETY: good pointers.
         unsafe { etd_builder_set_material(builder.0, 2, &m) },
         ETD_OK
     );
@@ -261,10 +264,8 @@ fn lights() {
     let mut id = 99;
     let mut add = |l: &EtdLight, kind: EmitterKind| {
         // SAFETY: good pointers.
-        assert_eq!(
-            unsafe { etd_builder_add_light(builder.0, l, &raw mut id) },
-            ETD_OK
-        );
+        let status = unsafe { etd_builder_add_light(builder.0, l, &raw mut id) };
+        assert_eq!(status, ETD_OK);
         assert_eq!(id as usize, d.emitters.len());
         let name = String::new();
         d.emitters.push(Emitter { name, kind });
@@ -413,8 +414,11 @@ fn transforms() {
     let mut mirrored = mesh(&[5., -1., 2., -3., -1., 2., 1., 1., 2.], &[[0, 1, 2]]);
     let slope = glam::DVec3::new(-0.25, 1.0, 0.0).normalize();
     let slope = slope.to_array().map(|x| x as f32);
-    mirrored.normals = Some(vec![slope, [0., 0., -1.], [0., 1., 0.]]);
-    d.shapes.push(shape(Geometry::Mesh(mirrored)));
+    mirrored.normals = Some(vec![slope, [0., 0., -1.], [-0., 1., 0.]]);
+    d.shapes.push(Shape {
+        emission: Some([1.0; 3]),
+        ..shape(Geometry::Mesh(mirrored))
+    });
     same(&builder, &d);
     // A transform takes the place of the one before, and spheres stay spheres.
     let stretched = [1., 0., 0., 0., 0., 2., 0., 0., 0., 0., 1., 0.];

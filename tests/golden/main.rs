@@ -8,7 +8,7 @@ use etendue::random::{Pcg, Purpose, Sampler};
 use etendue::shape::IsaKind;
 use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
-use etendue_host::render::{Budget, Options, render};
+use etendue_host::render::{Budget, Device, Options, render};
 use etendue_host::scene::{Size, prepare};
 use etendue_tests::bits::hash;
 use etendue_tests::render::blob;
@@ -68,6 +68,7 @@ fn image(scene: &Scene<'_>, estimator: Estimator, heuristic: Heuristic, threads:
         settings,
         budget: Budget::Passes(4),
         threads,
+        device: Device::Cpu,
     };
     let rendered = render(scene, &options, &AtomicBool::new(false), &|_| ()).unwrap();
     format!("{:016x}", hash(rendered.image.as_flattened()))

@@ -7,7 +7,7 @@
 
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::develop::{Linear, read};
-use etendue_host::render::{Budget, Options, render};
+use etendue_host::render::{Budget, Device, Options, render};
 use etendue_host::scene::{Size, prepare};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -93,6 +93,7 @@ fn check(case: &Case<'_>) {
                 settings,
                 budget: Budget::Passes(case.passes),
                 threads: 0,
+                device: Device::Cpu,
             };
             let r = render(&scene, &options, &AtomicBool::new(false), &|_| ()).unwrap();
             assert_eq!(

@@ -223,7 +223,7 @@ fn furnish(b: &mut Builder) {
     let triangles = (0..8)
         .map(|i: u32| {
             let (x, y, z) = (i & 1, 2 + (i >> 1 & 1), 4 + (i >> 2));
-            if i.count_ones() % 2 == 0 {
+            if i.count_ones().is_multiple_of(2) {
                 [x, y, z]
             } else {
                 [x, z, y]

@@ -6,7 +6,8 @@ use crate::control::Control;
 use etendue::capi::estimate::EtdSettings;
 use etendue::capi::scene::EtdScene;
 use etendue::capi::status::{
-    ETD_E_ARGUMENT, ETD_E_CANCELLED, ETD_E_JOBS, ETD_E_MEMORY, ETD_E_SIZE, ETD_E_THREADS, EtdStatus,
+    ETD_E_ARGUMENT, ETD_E_CANCELLED, ETD_E_JOBS, ETD_E_MEMORY, ETD_E_SIZE, ETD_E_THREADS,
+    ETD_E_UNSUPPORTED, EtdStatus,
 };
 use etendue_host::render::{Budget, Crew, Progress, RenderError, Rendered, render_with};
 use std::any::Any;
@@ -141,6 +142,8 @@ fn status(e: &RenderError) -> EtdStatus {
         RenderError::Threads { .. } => ETD_E_THREADS,
         RenderError::TooLarge { .. } => ETD_E_MEMORY,
         RenderError::Jobs => ETD_E_JOBS,
+        // Not reached: nothing here asks for a GPU.
+        RenderError::Gpu(_) => ETD_E_UNSUPPORTED,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Failure, define, print, warn};
 use crate::develop::{Curve, Linear, Output, Tone, write};
-use crate::render::{Budget, Options, Progress, Rendered, render};
+use crate::render::{Budget, Device, Options, Progress, Rendered, render};
 use crate::scene::{Size, prepare};
 use clap::ValueEnum;
 use etendue::{Estimator, Heuristic, Scene, Settings};
@@ -45,6 +45,9 @@ pub struct Render {
     /// Threads; the image doesn't depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     threads: Option<u32>,
+    /// What renders; the image doesn't depend on it
+    #[arg(long, value_enum, default_value_t = DeviceName::Cpu)]
+    device: DeviceName,
     /// Most edges of a path: 1 shows emitters, 2 adds direct light; -1 is no limit [default: what the scene says, or no limit]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-1..))]
     max_depth: Option<i32>,
@@ -98,6 +101,14 @@ enum HeuristicName {
     Cutoff,
     /// all to the largest
     Maximum,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum DeviceName {
+    /// all cores, or --threads
+    Cpu,
+    /// a GPU of NVIDIA's
+    Cuda,
 }
 
 /// An exposure.
@@ -164,6 +175,10 @@ impl Render {
             },
             budget: self.time.map_or(Budget::Passes(samples), Budget::Time),
             threads: self.threads.unwrap_or(0) as usize,
+            device: match self.device {
+                DeviceName::Cpu => Device::Cpu,
+                DeviceName::Cuda => Device::Cuda,
+            },
         };
         let stop = catch_interrupt()?;
         let bar = self.progress_bar();

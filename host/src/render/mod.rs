@@ -3,6 +3,8 @@
 
 mod budget;
 mod crew;
+#[cfg(feature = "cuda")]
+mod cuda;
 mod tiles;
 
 pub use budget::Budget;
@@ -28,6 +30,18 @@ pub struct Options {
     pub budget: Budget,
     /// Threads; 0 for one per core.
     pub threads: usize,
+    /// What renders. The image doesn't depend on it.
+    pub device: Device,
+}
+
+/// What renders.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Device {
+    /// Threads.
+    #[default]
+    Cpu,
+    /// A GPU of NVIDIA's (feature `cuda`).
+    Cuda,
 }
 
 /// A finished image.
@@ -74,6 +88,9 @@ pub enum RenderError {
     /// The caller's threads left a job out.
     #[error("the caller's threads returned before every job was done")]
     Jobs,
+    /// The GPU, or its driver, isn't there or fails.
+    #[error("{0}")]
+    Gpu(String),
     /// The image's sums don't fit into memory.
     #[error("not enough memory for an image of {} × {} pixels", .size[0], .size[1])]
     TooLarge {
@@ -125,13 +142,21 @@ fn add_up(run: &Run<'_>, films: Vec<Vec<Sum>>) -> Result<Vec<Sum>, RenderError> 
 /// is told of the progress by all threads, tile by tile.
 ///
 /// # Errors
-/// If the threads can't be started or the image doesn't fit into memory.
+/// If the threads can't be started, the image doesn't fit into memory, or the GPU that is asked for isn't there.
 pub fn render(
     scene: &Scene<'_>,
     options: &Options,
     stop: &AtomicBool,
     watch: &(dyn Fn(Progress) + Sync),
 ) -> Result<Rendered, RenderError> {
+    if options.device == Device::Cuda {
+        #[cfg(feature = "cuda")]
+        return cuda::render(scene, options, stop, watch);
+        #[cfg(not(feature = "cuda"))]
+        return Err(RenderError::Gpu(
+            "this program was built without GPUs: build it with --features cuda".into(),
+        ));
+    }
     let Options {
         settings, budget, ..
     } = *options;

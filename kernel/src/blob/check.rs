@@ -163,6 +163,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
     }
     let (header, contents) = Contents::read(bytes).map_err(at(0))?;
     let scene = Scene {
+        bytes,
         header,
         world: contents.single(section::WORLD)?,
         sensor: contents.single(section::SENSOR)?,

@@ -16,6 +16,7 @@ use crate::surface::TextureView;
 /// A scene, ready to be asked for light. Immutable; any number of threads may share it.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
+    pub(super) bytes: &'a [u8],
     pub(super) header: &'a Header,
     pub(super) world: &'a World,
     pub(super) sensor: &'a Sensor,
@@ -45,6 +46,11 @@ impl<'a> Scene<'a> {
     /// What is wrong and where, as a [`BlobError`].
     pub fn open(bytes: &'a [u8]) -> Result<Self, BlobError> {
         check::open(bytes)
+    }
+
+    /// The blob.
+    pub fn bytes(&self) -> &'a [u8] {
+        self.bytes
     }
 
     /// The same scene, traversed by another instruction set: for tests, the bits are the same. One that this machine

@@ -3,8 +3,9 @@
 //! that the CPU's has.
 #![allow(unsafe_code)] // device memory that the host owns, special registers
 
+use super::sums::contribute;
 use crate::film::{Refused, Step};
-use crate::{Estimator, Heuristic, Rgb, Scene, Scratch, Settings};
+use crate::{Estimator, Heuristic, Scene, Scratch, Settings};
 use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x};
 use core::sync::atomic::{AtomicU64, Ordering};
 
@@ -58,35 +59,6 @@ pub unsafe extern "ptx-kernel" fn etd_open(
     };
     // SAFETY: the caller's to write.
     unsafe { status.write(value) };
-}
-
-/// Adds to a sum of 128 bits that other threads add to: each carry out of the low word is counted exactly once.
-fn add(sum: &[AtomicU64], value: u128) {
-    let [low, high] = sum else { return };
-    let before = low.fetch_add(value as u64, Ordering::Relaxed);
-    let carry = u64::from(before.checked_add(value as u64).is_none());
-    let above = (value >> 64) as u64 + carry;
-    if above != 0 {
-        high.fetch_add(above, Ordering::Relaxed);
-    }
-}
-
-/// Adds a contribution, or counts that it can't be.
-fn contribute(step: Step, film: &[AtomicU64], pixel: u64, value: Rgb, refused: &mut Refused) {
-    let at = pixel as usize * 6;
-    let Some(sums) = film.get(at..at + 6) else {
-        return;
-    };
-    let [r, g, b] = value.to_array();
-    if let (Some(r), Some(g), Some(b)) = (
-        step.count(r, refused),
-        step.count(g, refused),
-        step.count(b, refused),
-    ) {
-        for (sum, value) in sums.chunks_exact(2).zip([r, g, b]) {
-            add(sum, value);
-        }
-    }
 }
 
 /// Takes samples of `job.pixels` pixels from `job.first_pixel` on, one thread a pixel. Both films have 6 words for each pixel of the
