@@ -201,6 +201,20 @@ typedef struct EtdSceneInfo {
     float radius;
 } EtdSceneInfo;
 
+// How to estimate. `etd_settings_default` fills it in.
+typedef struct EtdSettings {
+    // sizeof(EtdSettings).
+    uint32_t struct_size;
+    // `ETD_PATH`, `ETD_LIGHT` or `ETD_BIDIRECTIONAL`.
+    uint32_t estimator;
+    // `ETD_BALANCE`, `ETD_POWER`, `ETD_CUTOFF` or `ETD_MAXIMUM`.
+    uint32_t heuristic;
+    // The most edges of a path (1: emitters seen directly, 2: direct light, …); −1: no limit.
+    int32_t max_edges;
+    // Selects the random numbers.
+    uint64_t seed;
+} EtdSettings;
+
 // What happened since the scratch was made or its counters were last cleared.
 typedef struct EtdCounters {
     // sizeof(EtdCounters), set by the caller.
@@ -220,20 +234,6 @@ typedef struct EtdCounters {
     // Contributions refused because they were NaN, infinite or negative, or too large for a film.
     uint64_t rejected;
 } EtdCounters;
-
-// How to estimate. `etd_settings_default` fills it in.
-typedef struct EtdSettings {
-    // sizeof(EtdSettings).
-    uint32_t struct_size;
-    // `ETD_PATH`, `ETD_LIGHT` or `ETD_BIDIRECTIONAL`.
-    uint32_t estimator;
-    // `ETD_BALANCE`, `ETD_POWER`, `ETD_CUTOFF` or `ETD_MAXIMUM`.
-    uint32_t heuristic;
-    // The most edges of a path (1: emitters seen directly, 2: direct light, …); −1: no limit.
-    int32_t max_edges;
-    // Selects the random numbers.
-    uint64_t seed;
-} EtdSettings;
 
 // A ray: origin + t·direction with t_min < t < t_max. In world space, world units.
 typedef struct EtdRay {
@@ -380,6 +380,9 @@ EtdStatus etd_scene_spheres(const struct EtdScene *handle,
                             size_t capacity,
                             size_t *count);
 
+// Path tracing with the power heuristic, paths of any length, seed 0.
+EtdStatus etd_settings_default(struct EtdSettings *settings);
+
 // Bytes of memory that a scratch of `capacity` needs: 8, 32 or 128 vertices of a stored light walk (it bounds which
 // bidirectional strategies exist, not the length of paths; `ETD_PATH` needs none). 0 for another capacity.
 size_t etd_scratch_size(uint32_t capacity);
@@ -395,9 +398,6 @@ EtdStatus etd_scratch_init(void *memory,
 EtdStatus etd_scratch_counters(struct EtdScratch *handle,
                                struct EtdCounters *counters,
                                int32_t clear);
-
-// Path tracing with the power heuristic, paths of any length, seed 0.
-EtdStatus etd_settings_default(struct EtdSettings *settings);
 
 // One sample of the pixel in column `x` and row `y` (from the top) into `rgb[3]`, linear RGB radiance. With n samples of each pixel,
 // pixel = (sum of what is returned + sum of splats to it)/n. The same (scene, settings, x, y, `sample`) always gives the same bits.

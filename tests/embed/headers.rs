@@ -20,8 +20,10 @@ fn check(file: &Path, made: &str) {
 #[test]
 fn the_kernels_header_is_that_of_the_sources() {
     let kernel = root().join("kernel");
-    let files = ["status", "hooks", "scene", "estimate", "film"]
-        .map(|name| kernel.join(format!("src/capi/{name}.rs")));
+    let files = [
+        "status", "hooks", "scene", "settings", "scratch", "estimate", "film",
+    ]
+    .map(|name| kernel.join(format!("src/capi/{name}.rs")));
     let made = header(&kernel.join("capi/cbindgen.toml"), &files);
     check(&kernel.join("include/etendue.h"), &made);
 }

@@ -3,8 +3,8 @@
 use crate::arguments::{Sized32, input, optional_out, slice_mut};
 use crate::boundary::guarded;
 use crate::control::Control;
-use etendue::capi::estimate::EtdSettings;
 use etendue::capi::scene::EtdScene;
+use etendue::capi::settings::EtdSettings;
 use etendue::capi::status::{
     ETD_E_ARGUMENT, ETD_E_CANCELLED, ETD_E_JOBS, ETD_E_MEMORY, ETD_E_SIZE, ETD_E_THREADS,
     ETD_E_UNSUPPORTED, EtdStatus,

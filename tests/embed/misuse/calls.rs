@@ -1,8 +1,8 @@
 //! Blobs, renders and files: wrong pointers, and what the world has to say.
 
 use super::{Builder, made, no_memory, off, pointers, sized, triangle};
-use etendue::capi::estimate::{EtdSettings, etd_settings_default};
 use etendue::capi::scene::{ETD_SCENE_SIZE, EtdScene, etd_scene_open};
+use etendue::capi::settings::{EtdSettings, etd_settings_default};
 use etendue::capi::status::*;
 use etendue_host_capi::blob::{EtdBlob, etd_blob_free};
 use etendue_host_capi::builder::*;
