@@ -40,16 +40,16 @@ impl Rule {
 rules! {
     // The header.
     HeaderAddress Misaligned c"the blob must lie at an address that is a multiple of 16"
-    HeaderSize Truncated c"a blob must have a header of 64 bytes"
+    HeaderSize Truncated c"the blob is shorter than a header, 64 bytes"
     HeaderMagic Magic c"not an Étendue blob: the first bytes must be \"ETENDUE\" and a zero"
     HeaderVersion Version c"version must be 1, little-endian"
-    HeaderLength Truncated c"length must be the number of the blob's bytes"
+    HeaderLength Truncated c"the blob is shorter or longer than its header says"
     HeaderNeeds Needs c"needs must be bits that this kernel knows"
     HeaderFilm Range c"film_exponent must be in [-64, 64]"
     HeaderReserved Reserved c"the header's reserved words must be 0"
     HeaderSections Section c"section_count must be 15"
     // The table of contents.
-    TocSize Truncated c"the table of contents must be within the blob"
+    TocSize Truncated c"the blob is shorter than its table of contents"
     TocReserved Reserved c"an entry's reserved word must be 0"
     TocCount Section c"a section's count must be below 4294967295"
     TocAlign Section c"a section's offset must be a multiple of 64"
