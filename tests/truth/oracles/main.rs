@@ -4,11 +4,14 @@
 //! With 63 degrees of freedom P(|t| > 5) = 5e-6; about 300 values make one false alarm in 700 runs. And the standard error must
 //! be below a stated share of the truth, or the test says nothing.
 
+mod enclosures;
+mod extremes;
 mod light;
+mod mirrors;
 
 use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
-use etendue_host::description::{ColorSource, EmitterKind, Geometry, Mesh, Model};
+use etendue_host::description::{ColorSource, EmitterKind, Mesh, Model};
 use etendue_tests::render::{Estimate, blob};
 use etendue_tests::scenes::{Builder, V};
 use std::sync::LazyLock;
@@ -53,10 +56,24 @@ fn batches(n: u64, mut one: impl FnMut(u64, u64) -> f64) -> Estimate {
 
 /// `n` samples per batch, in both precisions, by every estimator that can answer.
 fn ask(bytes: &AlignedBlob, id: &str, ask: Ask, n: u64, max_edges: Option<u32>, precision: f64) {
+    let both = [Estimator::Path, Estimator::Bidirectional];
+    ask_by(&both, bytes, id, ask, n, max_edges, precision);
+}
+
+/// The same by some estimators.
+fn ask_by(
+    estimators: &[Estimator],
+    bytes: &AlignedBlob,
+    id: &str,
+    ask: Ask,
+    n: u64,
+    max_edges: Option<u32>,
+    precision: f64,
+) {
     let narrow = Scene::open(bytes.bytes()).unwrap();
     let wide = etendue_f64::Scene::open(bytes.bytes()).unwrap();
     let unit = |v: V| glam::DVec3::from(v.map(f64::from)).normalize();
-    for estimator in [Estimator::Path, Estimator::Bidirectional] {
+    for &estimator in estimators {
         let settings = Settings {
             estimator,
             max_edges,
@@ -138,237 +155,32 @@ fn white_furnaces() {
     });
 }
 
-#[test]
-fn enclosures() {
-    let inside = |shape: usize, rho: f32| {
-        let mut b = Builder::new();
-        let wall = Some(b.diffuse([rho; 3]));
-        let s = match shape {
-            0 => b.shape(
-                Geometry::Sphere {
-                    center: [0.0; 3],
-                    radius: 1.0,
-                    flipped: true,
-                },
-                wall,
-            ),
-            1 => b.cuboid([0.0, 0.0, 0.0], [2.0, 1.0, 3.0], true, wall),
-            _ => b.shape(Geometry::Mesh(l_room()), wall),
-        };
-        s.emission = Some([1.0; 3]);
-        blob(&b.description)
-    };
-    let rays: [[V; 2]; 3] = [
-        [[0.1, 0.2, 0.0], [0.3, 0.4, 0.5]],
-        [[1.0, 0.5, 1.5], [0.3, -0.4, 0.5]],
-        [[0.5, 0.5, 0.5], [1.0, 0.3, 0.2]],
-    ];
-    for (shape, name) in ["sphere", "box", "non-convex"].into_iter().enumerate() {
-        let [origin, direction] = rays[shape];
-        for (rho, n) in [(0.18, 200), (0.5, 400), (0.9, 400)] {
-            let id = format!("encl_{name}_Le1.0_rho{rho}");
-            ask(
-                &inside(shape, rho),
-                &id,
-                Ask::Ray(origin, direction),
-                n,
-                None,
-                0.01,
-            );
-        }
-    }
-    let [origin, direction] = rays[0];
-    for (rho, bounces) in [(0.5, 1), (0.9, 10), (0.9, 50)] {
-        let id = format!("encl_trunc_rho{rho}_nb{bounces}");
-        ask(
-            &inside(0, rho),
-            &id,
-            Ask::Ray(origin, direction),
-            300,
-            Some(bounces + 1),
-            0.01,
-        );
-    }
-}
-
-/// Two boxes in the shape of an L, extruded; normals inwards.
-fn l_room() -> Mesh {
-    let plan = [
-        [0.0, 0.0],
-        [2.0, 0.0],
-        [2.0, 1.0],
-        [1.0, 1.0],
-        [1.0, 2.0],
-        [0.0, 2.0],
-    ];
-    let mut mesh = Mesh::default();
-    for z in [0.0, 1.0] {
-        mesh.positions.extend(plan.map(|[x, y]| [x, y, z]));
-    }
-    for i in 0..6u32 {
-        let j = (i + 1) % 6;
-        mesh.triangles.extend([[i, i + 6, j], [j, i + 6, j + 6]]);
-    }
-    for t in [[0, 1, 3], [1, 2, 3], [0, 3, 5], [3, 4, 5]] {
-        mesh.triangles.push(t);
-        mesh.triangles.push([t[0] + 6, t[2] + 6, t[1] + 6]);
-    }
-    mesh
-}
-
 /// A lamp of radiance 1: `corner` + s·`a` + t·`b` with normal a × b.
 fn lamp(b: &mut Builder, corner: V, u: V, v: V) {
     b.quad(corner, u, v, None).emission = Some([1.0; 3]);
 }
 
-#[test]
-fn form_factors() {
-    // The mean irradiance of the receiver, over π, from points all over it.
-    let mean = |bytes: &AlignedBlob, id: &str, size: [f32; 2]| {
-        let scene = Scene::open(bytes.bytes()).unwrap();
-        let mut scratch = Scratch::<32>::new();
-        let settings = Settings {
-            estimator: Estimator::Bidirectional,
-            ..Settings::default()
-        };
-        let e = batches(1 << 12, |b, i| {
-            // Additive recurrence: any points that fill the receiver evenly.
-            let k = (b << 12 | i) as f64;
-            let at = |a: f64, s: f32| ((k * a).fract() * f64::from(s)) as f32;
-            let p = [
-                at(0.754_877_666_246_69, size[0]),
-                at(0.569_840_290_998_05, size[1]),
-                0.0,
-            ];
-            f64::from(
-                scene
-                    .irradiance(&settings, p.into(), glam::Vec3::Z, b, i, &mut scratch)
-                    .g,
-            ) / std::f64::consts::PI
-        });
-        check(id, "by bidirectional", e, 0.02);
+/// A disc around `center`, facing along z (or against it): a polygon of `n` corners at `radius`.
+fn polygon(center: V, radius: f64, down: bool) -> Mesh {
+    let n = 1024u32;
+    let mut mesh = Mesh {
+        positions: vec![center],
+        ..Mesh::default()
     };
-    for (x, y) in [(2.0f32, 2.0f32), (0.5, 0.5), (4.0, 1.0), (0.1, 0.1)] {
-        let mut b = Builder::new();
-        lamp(&mut b, [0.0, 0.0, 1.0], [0.0, y, 0.0], [x, 0.0, 0.0]);
-        mean(
-            &blob(&b.description),
-            &format!("ff_parallel_X{x}_Y{y}"),
-            [x, y],
-        );
+    for i in 0..n {
+        let (sin, cos) = (2.0 * std::f64::consts::PI * f64::from(i) / f64::from(n)).sin_cos();
+        let [x, y] = [radius * cos, radius * sin].map(|x| x as f32);
+        mesh.positions
+            .push([center[0] + x, center[1] + y, center[2]]);
+        let [a, b] = [1 + i, 1 + (i + 1) % n];
+        mesh.triangles
+            .push(if down { [0, b, a] } else { [0, a, b] });
     }
-    for (h, w) in [(1.0f32, 1.0f32), (2.0, 1.0), (5.0, 5.0)] {
-        let mut b = Builder::new();
-        lamp(&mut b, [0.0; 3], [0.0, 0.0, h], [1.0, 0.0, 0.0]);
-        mean(
-            &blob(&b.description),
-            &format!("ff_perp_H{h}_W{w}"),
-            [1.0, w],
-        );
-    }
+    mesh
 }
 
-#[test]
-fn radiosity() {
-    let concentric =
-        |r: f32, rho: [f32; 2], emission: [f32; 2], point: &str, origin: V, direction: V| {
-            let mut b = Builder::new();
-            for (i, (radius, flipped)) in [(r, false), (1.0, true)].into_iter().enumerate() {
-                let wall = Some(b.diffuse([rho[i]; 3]));
-                b.shape(
-                    Geometry::Sphere {
-                        center: [0.0; 3],
-                        radius,
-                        flipped,
-                    },
-                    wall,
-                )
-                .emission = Some([emission[i]; 3]);
-            }
-            ask(
-                &blob(&b.description),
-                point,
-                Ask::Ray(origin, direction),
-                1500,
-                None,
-                0.01,
-            );
-        };
-    let gap = |r: f32| [0.5 + 0.5 * r, 0.0, 0.0];
-    concentric(
-        0.5,
-        [0.5, 0.5],
-        [1.0, 0.0],
-        "concentric_0.5_1_0.5_0.5_10_inner",
-        gap(0.5),
-        [-1.0, 0.1, 0.0],
-    );
-    concentric(
-        0.5,
-        [0.5, 0.5],
-        [1.0, 0.0],
-        "concentric_0.5_1_0.5_0.5_10_outer",
-        gap(0.5),
-        [1.0, 0.1, 0.0],
-    );
-    concentric(
-        0.9,
-        [0.3, 0.7],
-        [0.0, 1.0],
-        "concentric_0.9_1_0.3_0.7_01_inner",
-        gap(0.9),
-        [-1.0, 0.1, 0.0],
-    );
-    concentric(
-        0.9,
-        [0.3, 0.7],
-        [0.0, 1.0],
-        "concentric_0.9_1_0.3_0.7_01_outer",
-        gap(0.9),
-        [1.0, 0.1, 0.0],
-    );
-    for (rho1, rho2) in [(0.5f32, 0.5f32), (0.9, 0.3)] {
-        let mut b = Builder::new();
-        let (m1, m2, mirror) = (b.diffuse([rho1; 3]), b.diffuse([rho2; 3]), b.mirror(1.0));
-        b.quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], Some(m1))
-            .emission = Some([1.0; 3]);
-        b.quad([0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], Some(m2));
-        for (corner, a) in [
-            ([0.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
-            ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
-            ([1.0, 1.0, 0.0], [-1.0, 0.0, 0.0]),
-            ([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]),
-        ] {
-            b.quad(corner, a, [0.0, 0.0, 1.0], Some(mirror));
-        }
-        ask(
-            &blob(&b.description),
-            &format!("plates_{rho1}_{rho2}"),
-            Ask::Ray([0.5, 0.5, 0.5], [0.1, 0.2, 1.0]),
-            1500,
-            None,
-            0.01,
-        );
-    }
-    for (d, rho1, rho2, tag) in [
-        (0.5f32, 0.8f32, 0.8f32, "0.5_0.8_0.8"),
-        (2.0, 0.3, 0.7, "2.0_0.3_0.7"),
-    ] {
-        let mut b = Builder::new();
-        let (m1, m2) = (b.diffuse([rho1; 3]), b.diffuse([rho2; 3]));
-        let one = b.quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], Some(m1));
-        (one.emission, one.back) = (Some([1.0; 3]), None);
-        b.quad([0.0, 0.0, d], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], Some(m2))
-            .back = None;
-        let bytes = blob(&b.description);
-        let id = format!("squares_d{tag}_L2_centre");
-        ask(
-            &bytes,
-            &id,
-            Ask::Ray([0.5, 0.5, 0.5 * d], [0.0, 0.0, 1.0]),
-            3000,
-            None,
-            0.01,
-        );
-    }
+/// The radius at which a polygon of 1024 corners has the area of a disc.
+fn as_large_as(radius: f64) -> f64 {
+    let step = 2.0 * std::f64::consts::PI / 1024.0;
+    radius * (step / step.sin()).sqrt()
 }
