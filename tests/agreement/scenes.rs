@@ -85,6 +85,20 @@ pub fn objects() -> Vec<Named> {
         b.shape(Geometry::Mesh(ball([0.5, -0.2, 0.3], 0.25, 4)), white);
     });
     all.push(("coarse balls with smooth normals", b.description, FromLight));
+    // The adjoint's factor doesn't cancel over these: all lean the same way, by 37°.
+    let b = room(|b| {
+        let white = Some(b.diffuse([0.8; 3]));
+        for (corner, normal) in [
+            ([-0.9, -0.8, 0.3], [0.6, 0.0, 0.8]),
+            ([-0.9, 0.1, 0.5], [0.0, -0.6, 0.8]),
+        ] {
+            let card = b.quad(corner, [1.8, 0.0, 0.0], [0.0, 0.7, 0.0], white);
+            if let Geometry::Mesh(mesh) = &mut card.geometry {
+                mesh.normals = Some(vec![normal; 4]);
+            }
+        }
+    });
+    all.push(("cards with leaning normals", b.description, FromLight));
     let b = room(|b| {
         let thin = b.material(Model::Diffuse {
             reflectance: constant(0.3),
