@@ -2,8 +2,8 @@
 //!
 //! One room, one rule each:
 //! [`status`] numbers what can go wrong; [`arguments`] turns pointers into references or a status;
-//! [`control`] holds the floating-point control word; [`hooks`] makes the caller's functions a
-//! [`crate::shape::Tracer`] and a [`crate::random::Sampler`]; [`scene`], [`estimate`], [`film`] are the functions.
+//! [`control`] holds the floating-point control word; [`hooks`] holds the caller's functions, of which
+//! `foreign` makes a [`crate::shape::Tracer`] and a [`crate::random::Sampler`]; [`scene`], [`estimate`], [`film`] are the functions.
 //!
 //! No function allocates, keeps a pointer beyond the call (a scene keeps its blob), or unwinds: the kernel
 //! has no panic to unwind with. What may be shared by threads is said at each type.
@@ -16,6 +16,8 @@ mod arguments;
 mod control;
 pub mod estimate;
 pub mod film;
+#[cfg(feature = "capi")]
+mod foreign;
 pub mod hooks;
 pub mod scene;
 pub mod status;
