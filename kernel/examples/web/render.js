@@ -108,7 +108,7 @@ export class Pool {
     start(count, blob) {
         this.workers.forEach(({ worker }) => worker.terminate());
         this.workers = Array.from({ length: count }, () => {
-            const entry = { worker: new Worker(this.url, { type: "module" }), jobs: 0 };
+            const entry = { worker: new Worker(this.url), jobs: 0 };
             entry.worker.onmessage = ({ data }) => {
                 entry.jobs -= 1;
                 data.error ? this.failed(data.error) : this.answered(data);
