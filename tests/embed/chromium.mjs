@@ -52,9 +52,9 @@ async function visit() {
     await call("Emulation.setDeviceMetricsOverride", size, sessionId);
     await call("Runtime.enable", {}, sessionId);
     await call("Page.navigate", { url }, sessionId);
-    const shown = "document.getElementById('error')?.textContent ?? ''";
+    const shown = "(document.getElementById('error')?.textContent ?? '')";
     const until = async (condition) => {
-        for (let tries = 0; tries < 1200 && complaints.length === 0 && !(await evaluate(condition)); tries++) {
+        for (let tries = 0; tries < 3000 && complaints.length === 0 && !(await evaluate(condition)); tries++) {
             await new Promise((resolve) => setTimeout(resolve, 100));
         }
     };

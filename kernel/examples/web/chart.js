@@ -105,5 +105,7 @@ function guide({ points }, x, y, x0, x1) {
     const slope = (ends.y2 - ends.y1) / (ends.x2 - ends.x1);
     label.y = ends.y1 + slope * (label.x - ends.x1) - 7;
     label.transform = `rotate(${(Math.atan(slope) * 180) / Math.PI} ${label.x} ${label.y})`;
-    return [shape("line", { ...ends, class: "guide" }), shape("text", label, "N^−½")];
+    const text = shape("text", label, "∝ N");
+    text.append(shape("tspan", { dy: -4, "font-size": 9 }, "−1/2"));
+    return [shape("line", { ...ends, class: "guide" }), text];
 }
