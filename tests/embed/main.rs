@@ -8,3 +8,4 @@ mod gpu;
 mod headers;
 mod tools;
 mod versions;
+mod web;

@@ -101,7 +101,7 @@ function guide({ points }, x, y, x0, x1) {
     // The axis is a logarithm: two points make the line.
     const [a, b] = [1e-3, 1e6];
     const ends = { x1: x.at(a), y1: y.at(error(a)), x2: x.at(b), y2: y.at(error(b)) };
-    const label = { x: x0 + (x1 - x0) * 0.03, class: "guide" };
+    const label = { x: x0 + (x1 - x0) * 0.3, class: "guide" };
     const slope = (ends.y2 - ends.y1) / (ends.x2 - ends.x1);
     label.y = ends.y1 + slope * (label.x - ends.x1) - 7;
     label.transform = `rotate(${(Math.atan(slope) * 180) / Math.PI} ${label.x} ${label.y})`;

@@ -91,7 +91,8 @@ export class Scene {
         const status = this.c.etd_scene_open(ABI_VERSION, at, blob.length, memory, SCENE_SIZE, out, where);
         if (status >= 100) {
             const [section, record] = [this.#u32(where + 4), this.#u32(where + 8)];
-            throw new EtendueError(`${this.#says(status)} (section ${section}, record ${record})`, status);
+            const place = section > 0 ? ` (section ${section}, record ${record})` : ""; // 0 is the header
+            throw new EtendueError(this.#says(status) + place, status);
         }
         this.#check(status);
         this.#scene = this.#u32(out);
