@@ -185,7 +185,7 @@ fn the_page_renders_the_same_bits_with_any_number_of_workers() {
     // The picture that it shows, not an empty page.
     let shown = etendue_host::develop::read(&screenshot).unwrap();
     let colors: BTreeSet<_> = shown.pixels.iter().map(|p| p.map(f32::to_bits)).collect();
-    assert_eq!([shown.width, shown.height], [1280, 800]);
+    assert_eq!(shown.size, [1280, 800]);
     assert!(colors.len() > 1000, "{} colours", colors.len());
 }
 
