@@ -73,7 +73,7 @@ export class Render {
         const last = this.curve.at(-1)?.passes ?? 0;
         if (this.passes % 2 === 0 && this.passes > last * 1.16) {
             const [a, b] = this.halves.map((half) => this.scene.resolve(half, this.passes / 2));
-            const error = relativeError(this.image(total), a, b);
+            const error = relativeError(this.image(total), a, b, this.scene.width);
             if (error > 0) {
                 this.curve.push({ passes: this.passes, seconds: this.seconds, error });
             }
@@ -82,18 +82,41 @@ export class Render {
 }
 
 /**
- * The square root of relMSE: the mean over pixels and channels of variance/(image² + 0.01·m²), m the mean of the image, as
- * `etendue compare` has it. Half the difference of two halves, squared, is an unbiased estimate of the variance of their mean.
+ * The square root of the mean over pixels and channels of variance/(near² + 0.01·m²): relMSE as `etendue compare` has it, but
+ * with `near`, the mean of the pixel's neighbourhood, for a reference. Divided by itself, a pixel that is mostly noise would
+ * seem to be right. Half the difference of two halves, squared, is an unbiased estimate of the variance of their mean.
  */
-function relativeError(image, a, b) {
+function relativeError(image, a, b, width) {
     const mean = image.reduce((sum, x) => sum + x, 0) / image.length;
     const floor = 0.01 * mean * mean;
+    const rows = blur(image, 3, width, 3 * width, image.length / (3 * width));
+    const near = blur(rows, 3 * width, image.length / (3 * width), 3, width);
     let sum = 0;
     for (let i = 0; i < image.length; i++) {
         const difference = (a[i] - b[i]) / 2;
-        sum += (difference * difference) / (image[i] * image[i] + floor);
+        sum += (difference * difference) / (near[i] * near[i] + floor);
     }
     return Math.sqrt(sum / image.length);
+}
+
+/** Means of up to 17 neighbours along lines: `count` pixels `step` apart in each of `lines` lines `stride` apart. */
+function blur(image, step, count, stride, lines) {
+    const RADIUS = 8;
+    const means = new Float64Array(image.length);
+    for (let line = 0; line < lines; line++) {
+        for (let channel = 0; channel < 3; channel++) {
+            const at = (i) => line * stride + i * step + channel;
+            let sum = 0;
+            for (let i = -RADIUS; i < count; i++) {
+                sum += i + RADIUS < count ? image[at(i + RADIUS)] : 0;
+                sum -= i - RADIUS > 0 ? image[at(i - RADIUS - 1)] : 0;
+                if (i >= 0) {
+                    means[at(i)] = sum / (Math.min(i + RADIUS, count - 1) - Math.max(i - RADIUS, 0) + 1);
+                }
+            }
+        }
+    }
+    return means;
 }
 
 /** Workers that all have the same scene. */
