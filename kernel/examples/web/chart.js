@@ -1,7 +1,7 @@
 // Error against time, both logarithmic: one curve for each estimator that was tried.
 
 const SVG = "http://www.w3.org/2000/svg";
-const FRAME = { left: 52, right: 14, top: 12, bottom: 36, width: 480, height: 268 };
+const FRAME = { left: 62, right: 14, top: 12, bottom: 36, width: 480, height: 268 };
 
 /** What an axis never gets shorter than: seconds, relative error. */
 const LEAST = { x: [0.5, 20], y: [0.05, 1] };
@@ -75,7 +75,7 @@ export function draw(svg, curves) {
         }
     }
     grid.append(shape("text", { x: (x0 + x1) / 2, y: height - 4, "text-anchor": "middle", class: "name" }, "render time"));
-    const name = { x: 0, y: 0, "text-anchor": "middle", class: "name", transform: `translate(11 ${(y0 + y1) / 2}) rotate(-90)` };
+    const name = { x: 0, y: 0, "text-anchor": "middle", class: "name", transform: `translate(10 ${(y0 + y1) / 2}) rotate(-90)` };
     grid.append(shape("text", name, "relative error"));
     const clip = shape("clipPath", { id: "inside" });
     clip.append(shape("rect", { x: x0, y: y1, width: x1 - x0, height: y0 - y1 }));
