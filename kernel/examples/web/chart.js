@@ -101,8 +101,9 @@ function guide({ points }, x, y, x0, x1) {
     // The axis is a logarithm: two points make the line.
     const [a, b] = [1e-3, 1e6];
     const ends = { x1: x.at(a), y1: y.at(error(a)), x2: x.at(b), y2: y.at(error(b)) };
-    const label = { x: x0 + (x1 - x0) * 0.3, class: "guide" };
     const slope = (ends.y2 - ends.y1) / (ends.x2 - ends.x1);
+    const inside = ends.x1 + (FRAME.top + 20 - ends.y1) / slope; // from where on the label is below the frame's top
+    const label = { x: Math.max(x0 + (x1 - x0) * 0.3, inside), class: "guide" };
     label.y = ends.y1 + slope * (label.x - ends.x1) - 7;
     label.transform = `rotate(${(Math.atan(slope) * 180) / Math.PI} ${label.x} ${label.y})`;
     const text = shape("text", label, "∝ N");
