@@ -46,7 +46,7 @@
 )]
 
 pub mod blob;
-#[cfg(feature = "capi")]
+#[cfg(feature = "capi-core")]
 pub mod capi;
 pub mod emitter;
 pub mod estimate;

@@ -18,7 +18,7 @@ static LIBRARY: LazyLock<PathBuf> = LazyLock::new(|| {
 });
 
 /// The Cornell box as a blob, `size` pixels wide.
-fn cornell(folder: &Path, size: u32) -> (PathBuf, AlignedBlob) {
+pub fn cornell(folder: &Path, size: u32) -> (PathBuf, AlignedBlob) {
     let size = Size {
         width: Some(size),
         height: None,
@@ -44,6 +44,14 @@ fn compile(compiler: &[&str], source: &Path, flags: &[&str], out: &Path) {
         .arg(&*LIBRARY)
         .args(["-lm", "-lpthread"])
         .args(flags));
+}
+
+/// `hello_irradiance`, compiled.
+pub fn hello(folder: &Path) -> PathBuf {
+    let program = folder.join("hello");
+    let source = example("hello_irradiance.c");
+    compile(&["gcc", "-std=c99"], &source, &[], &program);
+    program
 }
 
 fn example(name: &str) -> PathBuf {

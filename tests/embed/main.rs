@@ -13,3 +13,4 @@ mod misuse;
 mod readme;
 mod tools;
 mod versions;
+mod web;

@@ -34,7 +34,12 @@ fn lock_files_agree_on_the_kernels_dependencies() {
         "heapless",
         "bytemuck",
     ];
-    for package in ["kernel/capi", "kernel/ptx", "kernel/examples/cortex-m"] {
+    for package in [
+        "kernel/capi",
+        "kernel/ptx",
+        "kernel/examples/cortex-m",
+        "kernel/examples/web",
+    ] {
         let own = locked(package);
         for name in names {
             assert_eq!(own.get(name), workspace.get(name), "{package}: {name}");

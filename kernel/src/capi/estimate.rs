@@ -3,7 +3,9 @@
 use super::arguments::{Sized32, input, optional, slice, slice_mut};
 use super::control::Control;
 use super::film::EtdSum;
-use super::hooks::{EtdHooks, Foreign, Numbers, direction, position};
+#[cfg(feature = "capi")]
+use super::foreign::{Foreign, Numbers};
+use super::hooks::{EtdHooks, direction, position};
 use super::scene::{EtdScene, scene};
 use super::scratch::{EtdScratch, scratch};
 use super::settings::{EtdSettings, settings};
@@ -11,9 +13,10 @@ use super::status::{
     ETD_E_ARGUMENT, ETD_E_CANCELLED, ETD_E_SIZE, ETD_E_SPLAT, EtdStatus, status_of,
 };
 use crate::blob::Scene;
-use crate::estimate::{Estimator, ScratchView, Settings, estimate_with, pixel_id};
+#[cfg(feature = "capi")]
+use crate::estimate::estimate_with;
+use crate::estimate::{Estimator, ScratchView, Settings, pixel_id};
 use crate::film::{Refused, Step};
-use crate::random::Pcg;
 use crate::sensor::Element;
 use crate::spectrum::Rgb;
 
@@ -87,18 +90,14 @@ impl Call<'_> {
     /// One sample, by the scene's own tracer or the caller's.
     #[inline(never)]
     fn sample(&mut self, element: &Element, id: u64, index: u64, sink: &mut Sink<'_>) -> Rgb {
-        let mut numbers = if self.hooks.random.is_some() {
-            Numbers::Foreign {
-                hooks: &self.hooks,
-                subpath: 0,
-                vertex: 0,
-            }
-        } else {
-            Numbers::Own(Pcg::new(self.settings.seed, id, index))
-        };
+        #[cfg(feature = "capi")]
+        let mut numbers = Numbers::new(&self.hooks, self.settings.seed, id, index);
+        #[cfg(not(feature = "capi"))]
+        let mut numbers = crate::random::Pcg::new(self.settings.seed, id, index);
         let mut splat = |pixel, value| sink.take(pixel, value);
+        #[cfg(feature = "capi")]
         if self.hooks.closest.is_some() {
-            estimate_with(
+            return estimate_with(
                 self.scene,
                 &Foreign(&self.hooks),
                 &self.settings,
@@ -106,16 +105,15 @@ impl Call<'_> {
                 &mut numbers,
                 &mut self.scratch,
                 &mut splat,
-            )
-        } else {
-            self.scene.estimate_element(
-                &self.settings,
-                element,
-                &mut numbers,
-                &mut self.scratch,
-                &mut splat,
-            )
+            );
         }
+        self.scene.estimate_element(
+            &self.settings,
+            element,
+            &mut numbers,
+            &mut self.scratch,
+            &mut splat,
+        )
     }
 
     /// The mean of samples `first` … `first + samples` of one element.

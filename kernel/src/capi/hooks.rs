@@ -1,10 +1,8 @@
 //! The caller's own functions: splats, cancelling, rays, random numbers.
 
 use super::arguments::Sized32;
-use super::status::{ETD_E_ARGUMENT, EtdStatus};
-use crate::random::{Purpose, Sampler, Subpath};
-use crate::real::{ONE_MINUS, Real, Vec3};
-use crate::shape::{Hit, Ray, Tracer};
+use super::status::{ETD_E_ARGUMENT, ETD_E_UNSUPPORTED, EtdStatus};
+use crate::real::Vec3;
 use core::ffi::c_void;
 
 /// A ray: origin + t·direction with t_min < t < t_max. In world space, world units.
@@ -88,10 +86,13 @@ impl EtdHooks {
         random: None,
     };
 
-    /// Half a ray tracer is an error.
+    /// Half a ray tracer is an error, and so is what the build leaves out.
     pub(super) fn check(self) -> Result<Self, EtdStatus> {
         if self.closest.is_some() != self.occluded.is_some() || self.reserved != 0 {
             return Err(ETD_E_ARGUMENT);
+        }
+        if cfg!(not(feature = "capi")) && (self.closest.is_some() || self.random.is_some()) {
+            return Err(ETD_E_UNSUPPORTED);
         }
         Ok(self)
     }
@@ -109,111 +110,6 @@ impl EtdHooks {
             unsafe { f(self.user, x, y, rgb.as_ptr()) };
         }
     }
-}
-
-/// The caller's ray tracer.
-pub(super) struct Foreign<'h>(pub &'h EtdHooks);
-
-fn outward(ray: &Ray) -> EtdRay {
-    EtdRay {
-        struct_size: size_of::<EtdRay>() as u32,
-        reserved: 0,
-        origin: ray.origin.to_array(),
-        direction: ray.direction.to_array(),
-        t_min: ray.t_min,
-        t_max: ray.t_max,
-    }
-}
-
-impl Tracer for Foreign<'_> {
-    fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let closest = self.0.closest?;
-        let mut hit = EtdHit {
-            struct_size: size_of::<EtdHit>() as u32,
-            primitive: u32::MAX,
-            t: 0.0,
-            u: 0.0,
-            v: 0.0,
-        };
-        // SAFETY: the caller's function, called as it is documented, with a ray and a hit that live.
-        let found = unsafe { closest(self.0.user, &outward(ray), &mut hit) } != 0;
-        // NaN is in no range.
-        let inside = hit.t > ray.t_min && hit.t < ray.t_max;
-        let unit = |x: Real| if x > 0.0 { x.min(1.0) } else { 0.0 };
-        let u = unit(hit.u);
-        (found && inside).then(|| Hit {
-            t: hit.t,
-            primitive: hit.primitive,
-            u,
-            v: unit(hit.v).min(1.0 - u),
-        })
-    }
-
-    fn occluded(&self, ray: &Ray) -> bool {
-        self.0.occluded.is_some_and(|occluded| {
-            // SAFETY: the caller's function, called as it is documented, with a ray that lives.
-            unsafe { occluded(self.0.user, &outward(ray)) != 0 }
-        })
-    }
-}
-
-/// The caller's random numbers, or ours.
-pub(super) enum Numbers<'h> {
-    Own(crate::random::Pcg),
-    Foreign {
-        hooks: &'h EtdHooks,
-        subpath: u32,
-        vertex: u32,
-    },
-}
-
-impl Sampler for Numbers<'_> {
-    #[inline(always)]
-    fn at(&mut self, to: Subpath, index: u32) {
-        if let Numbers::Foreign {
-            subpath, vertex, ..
-        } = self
-        {
-            *subpath = match to {
-                Subpath::Sensor => 0,
-                Subpath::Light => 1,
-            };
-            *vertex = index;
-        }
-    }
-
-    #[inline(always)]
-    fn one(&mut self, purpose: Purpose) -> Real {
-        match self {
-            Numbers::Own(pcg) => pcg.one(purpose),
-            Numbers::Foreign {
-                hooks,
-                subpath,
-                vertex,
-            } => foreign(hooks, *subpath, *vertex, purpose),
-        }
-    }
-}
-
-#[inline(never)]
-fn foreign(hooks: &EtdHooks, subpath: u32, vertex: u32, purpose: Purpose) -> Real {
-    let number = match purpose {
-        Purpose::Filter => 0,
-        Purpose::Lens => 1,
-        Purpose::Choice => 2,
-        Purpose::Position => 3,
-        Purpose::Emission => 4,
-        Purpose::Lobe => 5,
-        Purpose::Direction => 6,
-        Purpose::Opacity => 7,
-        Purpose::Roulette => 8,
-    };
-    let Some(random) = hooks.random else {
-        return 0.0;
-    };
-    // SAFETY: the caller's function, called as it is documented.
-    let x = unsafe { random(hooks.user, subpath, vertex, number) };
-    if x > 0.0 { x.min(ONE_MINUS) } else { 0.0 }
 }
 
 /// A vector from C; `None` if it is not finite or absurdly large.

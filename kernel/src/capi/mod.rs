@@ -2,7 +2,7 @@
 //!
 //! One room, one rule each:
 //! [`status`] numbers what can go wrong; `arguments` turns pointers into references or a status;
-//! `control` holds the floating-point control word; [`hooks`] makes the caller's functions a
+//! `control` holds the floating-point control word; [`hooks`] holds the caller's functions, of which `foreign` makes a
 //! [`crate::shape::Tracer`] and a [`crate::random::Sampler`]; [`scene`], [`settings`], [`scratch`], [`estimate`],
 //! [`film`] are the functions.
 //!
@@ -17,6 +17,8 @@ mod arguments;
 mod control;
 pub mod estimate;
 pub mod film;
+#[cfg(feature = "capi")]
+mod foreign;
 pub mod hooks;
 pub mod scene;
 pub mod scratch;

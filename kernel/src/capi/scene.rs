@@ -1,6 +1,8 @@
 //! Scenes: open, inspect, list what rays can meet.
 
-use super::arguments::{Sized32, optional_out, output, place, slice, slice_mut};
+use super::arguments::{Sized32, optional_out, output, slice};
+#[cfg(feature = "capi")]
+use super::arguments::{place, slice_mut};
 use super::control::Control;
 use super::status::{
     ETD_ABI_VERSION, ETD_E_ABI, ETD_E_HANDLE, ETD_E_MISALIGNED, ETD_E_NULL, ETD_E_SIZE, EtdStatus,
@@ -213,6 +215,7 @@ pub unsafe extern "C" fn etd_scene_inspect(
 /// Lists triangles, for a ray tracer of the caller's own: 9 floats each (x, y, z of three vertices, world units; counter-clockwise seen
 /// from the front) into `positions`, and the number by which `EtdHit` names it into `primitives`. Writes at most `capacity` of them and
 /// the number there are into `*count`; both arrays may be null if `capacity` is 0.
+#[cfg(feature = "capi")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_triangles(
     handle: *const EtdScene,
@@ -239,6 +242,7 @@ pub unsafe extern "C" fn etd_scene_triangles(
 }
 
 /// Lists spheres: 4 floats each (centre, radius) and the number by which `EtdHit` names it; otherwise like `etd_scene_triangles`.
+#[cfg(feature = "capi")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_spheres(
     handle: *const EtdScene,
