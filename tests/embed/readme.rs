@@ -23,6 +23,7 @@ fn its_snippets_are_the_examples() {
     for (language, example) in [
         ("c", "c/hello_irradiance.c"),
         ("rust", "rust/hello_irradiance.rs"),
+        ("js", "web/hello_irradiance.mjs"),
     ] {
         let source = root().join("kernel/examples").join(example);
         let source = std::fs::read_to_string(source).unwrap();
@@ -30,14 +31,20 @@ fn its_snippets_are_the_examples() {
     }
 }
 
-/// From a fresh clone to a float, in C and in Rust: each prints the same.
+/// From a fresh clone to a float, in C, Rust and JavaScript: each prints the same.
 #[test]
 fn its_commands_print_the_irradiance() {
-    if !have("cc") || !have("pkg-config") {
+    let tools = [
+        "cc",
+        "pkg-config",
+        "node",
+        "/usr/lib/rustlib/src/rust/library/core/Cargo.toml",
+    ];
+    if !tools.into_iter().all(have) {
         return;
     }
-    let [in_c, in_rust] = &blocks("sh")[..2] else {
-        panic!("README has no commands")
+    let [in_c, in_rust, in_js] = &blocks("sh")[..] else {
+        panic!("expected three blocks of commands")
     };
     let shell = |commands: &str| {
         let line = format!("set -e\n{commands}");
@@ -50,10 +57,14 @@ fn its_commands_print_the_irradiance() {
         let numbers = numbers.split(' ').map(|n| n.parse::<f32>().unwrap());
         numbers.collect::<Vec<_>>()
     };
-    let (c, rust) = (shell(in_c), shell(in_rust));
-    assert_eq!(c.len(), 3);
-    for (c, rust) in c.iter().zip(&rust) {
+    let (c, rust, js) = (shell(in_c), shell(in_rust), shell(in_js));
+    assert_eq!((c.len(), rust.len(), js.len()), (3, 3, 3));
+    for i in 0..3 {
         // C prints six digits.
-        assert!(*c > 0.0 && (c / rust - 1.0).abs() < 1e-5, "{c} {rust}");
+        let near = |other: f32| (c[i] / other - 1.0).abs() < 1e-5;
+        assert!(
+            c[i] > 0.0 && near(rust[i]) && near(js[i]),
+            "{c:?} {rust:?} {js:?}"
+        );
     }
 }

@@ -87,7 +87,7 @@ export class Scene {
         const memory = this.#take(SCENE_SIZE);
         const out = this.#small;
         const where = out + 16; // EtdBlobError
-        this.#write(where).u32(12).u32(0).u32(0);
+        this.#write(where).u32(16).u32(0).u32(0).u32(0);
         const status = this.c.etd_scene_open(ABI_VERSION, at, blob.length, memory, SCENE_SIZE, out, where);
         if (status >= 100) {
             const [section, record] = [this.#u32(where + 4), this.#u32(where + 8)];

@@ -47,7 +47,7 @@ pub(super) fn output<'a, T: Sized32>(pointer: *mut T) -> Result<&'a mut T, EtdSt
 }
 
 /// One value of any type without invalid values.
-#[cfg(feature = "capi")]
+#[allow(dead_code)] // unused without the caller's functions
 pub(super) fn place<'a, T: bytemuck::Pod>(pointer: *mut T) -> Result<&'a mut T, EtdStatus> {
     check(pointer.cast_const())?;
     // SAFETY: not null, aligned; live and nobody else's by the caller's word.

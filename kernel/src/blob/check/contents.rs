@@ -1,6 +1,6 @@
 //! The header and the table of contents.
 
-use super::rules::{Checked, at, each, ensure};
+use super::rules::{Checked, at, each, ensure, zeros};
 use crate::blob::error::BlobError;
 use crate::blob::format::{Header, MAGIC, NONE, SECTION_ALIGN, Toc, VERSION, needs, section};
 use crate::blob::rule::Rule;
@@ -25,20 +25,24 @@ impl<'a> Contents<'a> {
     }
 
     pub fn section<T: AnyBitPattern + NoUninit>(&self, kind: u32) -> Result<&'a [T], BlobError> {
-        let find = || {
-            let entry = self.table.iter().find(|t| t.kind == kind);
-            let entry = entry.ok_or(Rule::SectionMissing)?;
-            ensure(entry.stride as usize == size_of::<T>(), Rule::SectionStride)?;
-            let bytes = || {
-                let start = usize::try_from(entry.offset).ok()?;
-                let count = usize::try_from(entry.count).ok()?;
-                let end = start.checked_add(count.checked_mul(size_of::<T>())?)?;
-                bytemuck::try_cast_slice(self.bytes.get(start..end)?).ok()
-            };
-            // As `check_entry` says, it is there.
-            bytes().ok_or(Rule::TocEnd)
+        let bytes = self.find(kind, size_of::<T>()).map_err(at(kind))?;
+        // Whole records at a multiple of 64.
+        bytemuck::try_cast_slice(bytes).map_err(|_| at(kind)(Rule::SectionStride))
+    }
+
+    /// The bytes of a section with records of `stride`.
+    #[inline(never)]
+    fn find(&self, kind: u32, stride: usize) -> Result<&'a [u8], Rule> {
+        let entry = self.table.iter().find(|t| t.kind == kind);
+        let entry = entry.ok_or(Rule::SectionMissing)?;
+        ensure(entry.stride as usize == stride, Rule::SectionStride)?;
+        let bytes = || {
+            let start = usize::try_from(entry.offset).ok()?;
+            let end = usize::try_from(stop(entry)?).ok()?;
+            self.bytes.get(start..end)
         };
-        find().map_err(at(kind))
+        // As `check_entry` says, they are there.
+        bytes().ok_or(Rule::TocEnd)
     }
 
     /// A section that holds exactly one record.
@@ -63,7 +67,7 @@ fn head(bytes: &[u8]) -> Result<(&Header, &[Toc]), Rule> {
     ensure(header.length == bytes.len() as u64, Rule::HeaderLength)?;
     ensure(header.needs & !needs::KNOWN == 0, Rule::HeaderNeeds)?;
     ensure((-64..=64).contains(&header.film_exponent), Rule::HeaderFilm)?;
-    ensure(header.reserved == [0; 8], Rule::HeaderReserved)?;
+    zeros(&header.reserved, Rule::HeaderReserved)?;
     ensure(
         header.section_count as usize == section::ALL.len(),
         Rule::HeaderSections,

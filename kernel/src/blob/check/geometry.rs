@@ -2,7 +2,7 @@
 
 use super::rules::{Checked, MAX_COORDINATE, coordinates, ensure, optional, span, within, zeros};
 use crate::blob::format::{
-    LANES, MAX_DEPTH, NONE, Node, Packet, Shape, Sphere, Triangle, World, child, emitter,
+    LANES, MAX_DEPTH, NONE, Node, Packet, Shape, Sphere, Triangle, WIDTH, World, child, emitter,
 };
 use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
@@ -29,39 +29,44 @@ pub(super) fn world(scene: &Scene<'_>) -> Checked {
     zeros(&w.reserved, Rule::WorldReserved)
 }
 
-/// A child node names its parent and its parent's level plus one. As no two children of one node are the
-/// same, no node is reached twice: the nodes that traversal can reach form a tree of bounded depth. (The root is
-/// nobody's child, because it has no parent.)
 pub(super) fn node(scene: &Scene<'_>, index: usize, n: &Node) -> Checked {
     if index == 0 {
         ensure(n.level == 0 && n.parent == NONE, Rule::NodeRoot)?;
     }
     ensure(n.level <= scene.world.depth, Rule::NodeLevel)?;
     zeros(&n.reserved, Rule::NodeReserved)?;
-    let mut box_sides = n.low.as_flattened().iter().chain(n.high.as_flattened());
-    ensure(box_sides.all(|x| !x.is_nan()), Rule::NodeBox)?;
-    for (i, &reference) in n.children.iter().enumerate() {
-        if reference == child::EMPTY {
-            continue;
-        }
-        if reference & child::LEAF == 0 {
-            let below = scene.nodes.get(reference as usize);
-            let below = below.ok_or(Rule::NodeChild)?;
-            ensure(below.parent as usize == index, Rule::NodeParent)?;
-            ensure(below.level == n.level + 1, Rule::NodeBelow)?;
-            let new = n.children.iter().take(i).all(|&c| c != reference);
-            ensure(new, Rule::NodeTwice)?;
-        } else {
-            let start = reference & child::START_MASK;
-            let count = u64::from((reference >> child::COUNT_SHIFT) & 15) + 1;
-            if reference & child::SPHERES != 0 {
-                span(scene.spheres, start, count, Rule::NodeSpheres)?;
-            } else {
-                span(scene.packets, start, count, Rule::NodePackets)?;
-            }
-        }
+    for corners in [&n.low, &n.high] {
+        // Empty places have infinite ones.
+        let sides = corners.as_flattened();
+        within(sides, f32::NEG_INFINITY, f32::INFINITY, Rule::NodeBox)?;
     }
-    Ok(())
+    (0..WIDTH).try_for_each(|place| child(scene, index, n, place))
+}
+
+/// A child node names its parent and its parent's level plus one. As no two children of one node are the
+/// same, no node is reached twice: the nodes that traversal can reach form a tree of bounded depth. (The root is
+/// nobody's child, because it has no parent.)
+#[inline(never)]
+fn child(scene: &Scene<'_>, index: usize, n: &Node, place: usize) -> Checked {
+    let reference = n.children.get(place).copied().unwrap_or(child::EMPTY);
+    if reference == child::EMPTY {
+        return Ok(());
+    }
+    if reference & child::LEAF == 0 {
+        let below = scene.nodes.get(reference as usize);
+        let below = below.ok_or(Rule::NodeChild)?;
+        ensure(below.parent as usize == index, Rule::NodeParent)?;
+        ensure(below.level == n.level + 1, Rule::NodeBelow)?;
+        let mut before = n.children.iter().take(place);
+        return ensure(before.all(|&c| c != reference), Rule::NodeTwice);
+    }
+    let start = reference & child::START_MASK;
+    let count = u64::from((reference >> child::COUNT_SHIFT) & 15) + 1;
+    if reference & child::SPHERES != 0 {
+        span(scene.spheres, start, count, Rule::NodeSpheres).map(drop)
+    } else {
+        span(scene.packets, start, count, Rule::NodePackets).map(drop)
+    }
 }
 
 pub(super) fn packet(p: &Packet) -> Checked {

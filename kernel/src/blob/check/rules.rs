@@ -1,4 +1,5 @@
-//! The words in which rules are checked.
+//! The words in which rules are checked. Those with loops stay out of line: checking is a small part of any program's time,
+//! and its code a large one of a small program's.
 
 use crate::blob::error::BlobError;
 use crate::blob::format::NONE;
@@ -15,6 +16,7 @@ pub(super) fn ensure(holds: bool, rule: Rule) -> Checked {
 }
 
 /// All of `values` in [low, high]; NaN never is.
+#[inline(never)]
 pub(super) fn within(values: &[f32], low: f32, high: f32, rule: Rule) -> Checked {
     ensure(values.iter().all(|v| (low..=high).contains(v)), rule)
 }
@@ -27,12 +29,14 @@ pub(super) fn coordinates(values: &[f32], rule: Rule) -> Checked {
     within(values, -MAX_COORDINATE, MAX_COORDINATE, rule)
 }
 
+#[inline(never)]
 pub(super) fn unit(v: &[f32; 3], rule: Rule) -> Checked {
     let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     within(&[square], 0.999, 1.001, rule)
 }
 
 /// An id that may be nothing.
+#[inline(never)]
 pub(super) fn optional(id: u32, count: usize, rule: Rule) -> Checked {
     ensure(id == NONE || (id as usize) < count, rule)
 }
@@ -47,6 +51,7 @@ pub(super) fn span<T>(records: &[T], first: u32, count: u64, rule: Rule) -> Resu
     range().ok_or(rule)
 }
 
+#[inline(never)]
 pub(super) fn zeros(words: &[u32], rule: Rule) -> Checked {
     ensure(words.iter().all(|&w| w == 0), rule)
 }
