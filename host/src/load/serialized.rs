@@ -17,7 +17,12 @@ const MOST_PACKED: u64 = 1040;
 
 /// Reads mesh `index` of a file.
 pub fn load(path: &Path, index: usize) -> Result<RawMesh, LoadError> {
-    parse(&read(path)?, index).map_err(|text| LoadError::malformed(path, 0, text))
+    parse(&read(path)?, path, index)
+}
+
+/// Reads mesh `index` of a file's bytes; `path` is for messages.
+pub fn parse(bytes: &[u8], path: &Path, index: usize) -> Result<RawMesh, LoadError> {
+    one(bytes, index).map_err(|text| LoadError::malformed(path, 0, text))
 }
 
 fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
@@ -44,7 +49,7 @@ fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
         .map(u64::from_le_bytes)
 }
 
-fn parse(bytes: &[u8], index: usize) -> Result<RawMesh, String> {
+fn one(bytes: &[u8], index: usize) -> Result<RawMesh, String> {
     let short = || {
         format!(
             "file of {} bytes ends too early, expected a serialized mesh",
