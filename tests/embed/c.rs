@@ -230,3 +230,31 @@ fn the_callers_control_word_is_kept_and_does_not_matter() {
         run(Command::new(folder.join("control")).arg(blob));
     }
 }
+
+/// Stack is what an engine's job threads have little of. The most that any estimator may use on x86-64, whatever the capacity:
+/// scratch is the caller's, not on the stack.
+const STACK: usize = 12 * 1024;
+
+#[test]
+fn little_stack_is_used_whatever_the_capacity() {
+    if !have("gcc") || !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
+        return;
+    }
+    let folder = target("stack");
+    let program = folder.join("stack");
+    compile(&["gcc", "-std=c11"], &beside("stack.c"), &[], &program);
+    for scene in ["matter", "open_air", "plan"] {
+        let blob = crate::bits::data(&format!("bits/{scene}.etd"));
+        let printed = text(&run(Command::new(&program).arg(blob)));
+        print!("{printed}");
+        let used: Vec<usize> = printed
+            .lines()
+            .map(|line| line.rsplit(' ').next().unwrap().parse().unwrap())
+            .collect();
+        assert_eq!(used.len(), 9);
+        assert!(
+            used.iter().all(|bytes| (500..=STACK).contains(bytes)),
+            "{printed}"
+        );
+    }
+}

@@ -1,7 +1,7 @@
 //! The static library without an operating system: links with nothing undefined, holds no panic, gives the same bits.
 
 use crate::bits::{data, expected};
-use crate::tools::{cargo, have, run, target, text};
+use crate::tools::{build_core, cargo, have, have_core, run, target, text};
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::render::{Budget, Device, Options, render};
 use etendue_host::scene::{Size, prepare};
@@ -9,6 +9,7 @@ use etendue_tests::bits::hash;
 use etendue_tests::header::root;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 
 /// Builds `libetendue.a` whose panic handler calls what nobody defines, with what else is asked for.
@@ -19,8 +20,8 @@ fn library(name: &str, extra: &[&str]) -> PathBuf {
     folder.join("release/libetendue.a")
 }
 
-fn gcc(source: &Path, library: &Path, out: &Path) -> Command {
-    let mut command = Command::new("gcc");
+fn link(compiler: &str, source: &Path, library: &Path, out: &Path) -> Command {
+    let mut command = Command::new(compiler);
     command
         .args(["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror"])
         .args(["-ffreestanding", "-fno-builtin", "-fno-stack-protector"])
@@ -39,29 +40,15 @@ fn gcc(source: &Path, library: &Path, out: &Path) -> Command {
     command
 }
 
-#[test]
-fn without_a_system_it_renders_the_same_bits_and_cannot_panic() {
-    if !have("gcc") || !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
-        return;
-    }
-    let folder = target("freestanding");
+/// The Cornell box as a blob, and the hash of its render.
+static CORNELL: LazyLock<(PathBuf, u64)> = LazyLock::new(|| {
     let size = Size {
         width: Some(64),
         height: None,
     };
     let cornell = prepare(&root().join("host/scenes/cornell-box.xml"), &[], size).unwrap();
-    let blob = folder.join("cornell.etd");
-    std::fs::write(&blob, cornell.blob.bytes()).unwrap();
-    let library = library("capi", &[]);
-    let program = folder.join("main");
-    let source = root().join("kernel/examples/freestanding/main.c");
-    run(gcc(&source, &library, &program)
-        .arg(format!("-DBLOBS=\"{}\"", data("bits").display()))
-        .arg(format!("-DCORNELL=\"{}\"", blob.display())));
-    let undefined = text(&run(Command::new("nm").arg("-u").arg(&program)));
-    assert_eq!(undefined.trim(), "", "undefined symbols");
-    let printed = text(&run(Command::new(&program).current_dir(&folder)));
-
+    let file = target("freestanding").join("cornell.etd");
+    std::fs::write(&file, cornell.blob.bytes()).unwrap();
     let scene = Scene::open(cornell.blob.bytes()).unwrap();
     let options = Options {
         settings: Settings {
@@ -73,10 +60,56 @@ fn without_a_system_it_renders_the_same_bits_and_cannot_panic() {
         device: Device::Cpu,
     };
     let native = render(&scene, &options, &AtomicBool::new(false), &|_| ()).unwrap();
-    let cornell = hash(native.image.as_flattened());
-    assert_eq!(printed, format!("{}cornell {cornell:016x}\n", expected()));
+    (file, hash(native.image.as_flattened()))
+});
+
+/// Links the example with nothing but the library, sees that nothing is undefined, runs it and compares its bits.
+fn build_and_run(compiler: &str, library: &Path, emulator: Option<&str>, folder: &Path) {
+    let (cornell, hash) = &*CORNELL;
+    let program = folder.join("main");
+    let source = root().join("kernel/examples/freestanding/main.c");
+    run(link(compiler, &source, library, &program)
+        .arg(format!("-DBLOBS=\"{}\"", data("bits").display()))
+        .arg(format!("-DCORNELL=\"{}\"", cornell.display())));
+    let undefined = text(&run(Command::new("nm").arg("-u").arg(&program)));
+    assert_eq!(undefined.trim(), "", "undefined symbols");
+    let mut command = match emulator {
+        Some(emulator) => {
+            let mut command = Command::new(emulator);
+            command.arg(&program);
+            command
+        }
+        None => Command::new(&program),
+    };
+    let printed = text(&run(command.current_dir(folder)));
+    assert_eq!(printed, format!("{}cornell {hash:016x}\n", expected()));
     let picture = std::fs::read(folder.join("cornell.ppm")).unwrap();
     assert_eq!(picture.len(), 13 + 3 * 64 * 64);
+}
+
+#[test]
+fn without_a_system_it_renders_the_same_bits_and_cannot_panic() {
+    if !have("gcc") || !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
+        return;
+    }
+    build_and_run("gcc", &library("capi", &[]), None, &target("freestanding"));
+}
+
+#[test]
+fn the_same_on_aarch64() {
+    let tools = ["aarch64-linux-gnu-gcc", "qemu-aarch64"];
+    if !have_core() || !tools.iter().all(|tool| have(tool)) {
+        return;
+    }
+    const TARGET: &str = "aarch64-unknown-linux-gnu";
+    let folder = target("aarch64");
+    run(build_core("kernel/capi", &folder, TARGET).args([
+        "--release",
+        "--features",
+        "prove-no-panic",
+    ]));
+    let library = folder.join(TARGET).join("release/libetendue.a");
+    build_and_run(tools[0], &library, Some(tools[1]), &folder);
 }
 
 /// The proof finds a panic where there is one.
@@ -94,7 +127,7 @@ fn a_planted_panic_does_not_link() {
     )
     .unwrap();
     let library = library("planted", &["--features", "plant-a-panic"]);
-    let output = gcc(&source, &library, &folder.join("main"))
+    let output = link("gcc", &source, &library, &folder.join("main"))
         .output()
         .unwrap();
     let said = String::from_utf8_lossy(&output.stderr);

@@ -7,3 +7,4 @@ mod freestanding;
 mod gpu;
 mod headers;
 mod tools;
+mod versions;

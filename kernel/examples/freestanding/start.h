@@ -1,10 +1,14 @@
-/* What a program needs that has no C library: an entry, three system calls of x86-64 Linux, and the two memory functions that
+/* What a program needs that has no C library: an entry, a few system calls of Linux, and the two memory functions that
  * the library calls. On another freestanding target this file is what changes. */
 #ifndef START_H
 #define START_H
 
 #include <stddef.h>
 #include <stdint.h>
+
+#if defined(__x86_64__)
+
+enum { OPEN = 2, WRITE = 1 };
 
 __asm__(".globl _start\n"
         "_start:\n"
@@ -22,11 +26,52 @@ static long system_call(long number, long a, long b, long c)
     return result;
 }
 
+static int create(const char *name)
+{
+    return (int)system_call(OPEN, (long)name, 0x241 /* write, create, truncate */, 0644);
+}
+
+#elif defined(__aarch64__)
+
+enum { OPENAT = 56, WRITE = 64 };
+
+__asm__(".globl _start\n"
+        "_start:\n"
+        "    mov x29, #0\n"
+        "    bl run\n"
+        "    mov x8, #93\n" /* exit */
+        "    svc #0\n");
+
+static long system_call4(long number, long a, long b, long c, long d)
+{
+    register long x8 __asm__("x8") = number;
+    register long x0 __asm__("x0") = a;
+    register long x1 __asm__("x1") = b;
+    register long x2 __asm__("x2") = c;
+    register long x3 __asm__("x3") = d;
+    __asm__ volatile("svc #0" : "+r"(x0) : "r"(x8), "r"(x1), "r"(x2), "r"(x3) : "memory");
+    return x0;
+}
+
+static long system_call(long number, long a, long b, long c)
+{
+    return system_call4(number, a, b, c, 0);
+}
+
+static int create(const char *name)
+{
+    return (int)system_call4(OPENAT, -100 /* relative to here */, (long)name, 0x241, 0644);
+}
+
+#else
+#error "no entry and no system calls for this processor"
+#endif
+
 static int put(int file, const void *bytes, size_t length)
 {
     const char *next = bytes;
     while (length > 0) {
-        long written = system_call(1, file, (long)next, (long)length);
+        long written = system_call(WRITE, file, (long)next, (long)length);
         if (written <= 0) {
             return 0;
         }
@@ -34,11 +79,6 @@ static int put(int file, const void *bytes, size_t length)
         length -= (size_t)written;
     }
     return 1;
-}
-
-static int create(const char *name)
-{
-    return (int)system_call(2, (long)name, 0x241 /* write, create, truncate */, 0644);
 }
 
 /* What compilers call by themselves (C11, §4p6 leaves them to the program). */

@@ -9,8 +9,12 @@ use crate::real::{Real, Vec3, sqrt};
 use crate::shape::{Point, Ray, Tracer};
 use crate::spectrum::Spectrum;
 
-/// The most surfaces that a walk, or a connection, meets or passes. The only cut there is; reaching it
-/// is counted ([`Counters::cut_walks`]).
+/// The most edges of a walk, and the most surfaces (masks, null boundaries) that all rays of one sample pass together.
+/// The only cut there is; reaching it is counted ([`Counters::cut_walks`]).
+///
+/// With it the work of a sample is bounded: two walks of so many edges, at most N + 2 segments asked to be free at each vertex
+/// (N: the scratch's capacity), so many surfaces passed: (N + 5)·2¹⁶ queries of the tree, each of which visits every node and
+/// primitive at most once.
 pub const MAX_STEPS: u32 = 1 << 16;
 
 /// The farthest part of a segment that is not asked about, relative to its length: the rounding of
@@ -26,7 +30,7 @@ pub struct Counters {
     pub shadow_rays: u64,
     /// Walks from a light.
     pub light_walks: u64,
-    /// Walks cut by [`MAX_STEPS`].
+    /// Walks, and segments, cut by [`MAX_STEPS`].
     pub cut_walks: u64,
     /// Light walks that ended because their storage was full: longer strategies don't exist, in any weight.
     pub full_walks: u64,
@@ -76,6 +80,8 @@ pub struct Trace<'t, 'a, T> {
     pub tracer: &'t T,
     /// What happened.
     pub counters: Counters,
+    /// Surfaces passed.
+    passed: u32,
 }
 
 impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
@@ -86,7 +92,19 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
             scene,
             tracer,
             counters: Counters::default(),
+            passed: 0,
         }
+    }
+
+    /// Takes note of a surface that is passed; false if that was one too many.
+    #[inline(always)]
+    fn pass(&mut self) -> bool {
+        self.passed += 1;
+        if self.passed > MAX_STEPS {
+            self.counters.cut_walks += 1;
+            return false;
+        }
+        true
     }
 
     /// The first surface that stops `ray`.
@@ -115,10 +133,13 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
         sampler: &mut impl Sampler,
     ) -> Meeting {
         let mut distance = 0.0;
-        for _ in 0..MAX_STEPS {
+        loop {
             let opacity = self.opacity(&point, ray.direction);
             if opacity >= 1.0 || (opacity > 0.0 && sampler.one(Purpose::Opacity) < opacity) {
                 return Meeting::Surface(point, distance + t);
+            }
+            if !self.pass() {
+                return Meeting::Cut;
             }
             distance += t;
             ray = Ray {
@@ -135,8 +156,6 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
             };
             (point, t) = (p, hit.t);
         }
-        self.counters.cut_walks += 1;
-        Meeting::Cut
     }
 
     /// V over a segment that starts off its surface at `ray.origin`: 1, 0, or the product of 1 − α on the way.
@@ -176,7 +195,7 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
     #[inline(never)]
     fn visibility_past(&mut self, mut ray: Ray) -> Real {
         let mut free = 1.0;
-        for _ in 0..MAX_STEPS {
+        loop {
             let Some(hit) = self.tracer.closest(&ray) else {
                 return free;
             };
@@ -184,7 +203,7 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
                 return free;
             };
             free *= 1.0 - self.opacity(&point, ray.direction);
-            if free <= 0.0 {
+            if free <= 0.0 || !self.pass() {
                 return 0.0;
             }
             ray = Ray {
@@ -194,8 +213,6 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
                 ..ray
             };
         }
-        self.counters.cut_walks += 1;
-        0.0
     }
 
     /// α of the surface at `point`: 0 for null boundaries.
