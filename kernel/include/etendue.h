@@ -92,6 +92,27 @@
 // Two numbers that must agree don't.
 #define ETD_E_BLOB_MISMATCH 111
 
+// A file can't be read.
+#define ETD_E_IO 200
+
+// A file is not a scene: it says something that isn't known, or makes no sense.
+#define ETD_E_PARSE 201
+
+// The scene can't be built from what was given.
+#define ETD_E_SCENE 202
+
+// Not enough memory, or the caller's `allocate` said so.
+#define ETD_E_MEMORY 203
+
+// The library has a bug: it panicked, and stopped at its boundary. Free the handles that the call used.
+#define ETD_E_PANIC 204
+
+// The operating system gives no threads.
+#define ETD_E_THREADS 205
+
+// The caller's `run` returned before it had run every job.
+#define ETD_E_JOBS 206
+
 // The version of the functions and structs in this header.
 #define ETD_ABI_VERSION 1
 
@@ -180,6 +201,20 @@ typedef struct EtdSceneInfo {
     float radius;
 } EtdSceneInfo;
 
+// How to estimate. `etd_settings_default` fills it in.
+typedef struct EtdSettings {
+    // sizeof(EtdSettings).
+    uint32_t struct_size;
+    // `ETD_PATH`, `ETD_LIGHT` or `ETD_BIDIRECTIONAL`.
+    uint32_t estimator;
+    // `ETD_BALANCE`, `ETD_POWER`, `ETD_CUTOFF` or `ETD_MAXIMUM`.
+    uint32_t heuristic;
+    // The most edges of a path (1: emitters seen directly, 2: direct light, …); −1: no limit.
+    int32_t max_edges;
+    // Selects the random numbers.
+    uint64_t seed;
+} EtdSettings;
+
 // What happened since the scratch was made or its counters were last cleared.
 typedef struct EtdCounters {
     // sizeof(EtdCounters), set by the caller.
@@ -199,20 +234,6 @@ typedef struct EtdCounters {
     // Contributions refused because they were NaN, infinite or negative, or too large for a film.
     uint64_t rejected;
 } EtdCounters;
-
-// How to estimate. `etd_settings_default` fills it in.
-typedef struct EtdSettings {
-    // sizeof(EtdSettings).
-    uint32_t struct_size;
-    // `ETD_PATH`, `ETD_LIGHT` or `ETD_BIDIRECTIONAL`.
-    uint32_t estimator;
-    // `ETD_BALANCE`, `ETD_POWER`, `ETD_CUTOFF` or `ETD_MAXIMUM`.
-    uint32_t heuristic;
-    // The most edges of a path (1: emitters seen directly, 2: direct light, …); −1: no limit.
-    int32_t max_edges;
-    // Selects the random numbers.
-    uint64_t seed;
-} EtdSettings;
 
 // A ray: origin + t·direction with t_min < t < t_max. In world space, world units.
 typedef struct EtdRay {
@@ -359,6 +380,9 @@ EtdStatus etd_scene_spheres(const struct EtdScene *handle,
                             size_t capacity,
                             size_t *count);
 
+// Path tracing with the power heuristic, paths of any length, seed 0.
+EtdStatus etd_settings_default(struct EtdSettings *settings);
+
 // Bytes of memory that a scratch of `capacity` needs: 8, 32 or 128 vertices of a stored light walk (it bounds which
 // bidirectional strategies exist, not the length of paths; `ETD_PATH` needs none). 0 for another capacity.
 size_t etd_scratch_size(uint32_t capacity);
@@ -374,9 +398,6 @@ EtdStatus etd_scratch_init(void *memory,
 EtdStatus etd_scratch_counters(struct EtdScratch *handle,
                                struct EtdCounters *counters,
                                int32_t clear);
-
-// Path tracing with the power heuristic, paths of any length, seed 0.
-EtdStatus etd_settings_default(struct EtdSettings *settings);
 
 // One sample of the pixel in column `x` and row `y` (from the top) into `rgb[3]`, linear RGB radiance. With n samples of each pixel,
 // pixel = (sum of what is returned + sum of splats to it)/n. The same (scene, settings, x, y, `sample`) always gives the same bits.

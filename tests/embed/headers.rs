@@ -20,8 +20,21 @@ fn check(file: &Path, made: &str) {
 #[test]
 fn the_kernels_header_is_that_of_the_sources() {
     let kernel = root().join("kernel");
-    let files = ["status", "hooks", "scene", "estimate", "film"]
-        .map(|name| kernel.join(format!("src/capi/{name}.rs")));
+    let files = [
+        "status", "hooks", "scene", "settings", "scratch", "estimate", "film",
+    ]
+    .map(|name| kernel.join(format!("src/capi/{name}.rs")));
     let made = header(&kernel.join("capi/cbindgen.toml"), &files);
     check(&kernel.join("include/etendue.h"), &made);
+}
+
+#[test]
+fn the_hosts_header_is_that_of_the_sources() {
+    let host = root().join("host");
+    let files = [
+        "hooks", "blob", "builder", "camera", "surface", "object", "light", "load", "render",
+    ]
+    .map(|name| host.join(format!("capi/src/{name}.rs")));
+    let made = header(&host.join("capi/cbindgen.toml"), &files);
+    check(&host.join("include/etendue_host.h"), &made);
 }

@@ -2,9 +2,13 @@
 
 mod bits;
 mod c;
+mod cornell;
 mod cortex_m;
+mod described;
 mod freestanding;
 mod gpu;
 mod headers;
+mod hosted;
+mod misuse;
 mod tools;
 mod versions;

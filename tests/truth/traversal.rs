@@ -1,5 +1,6 @@
 //! Traversal against brute force and closed forms: which primitive, where, and never through a crack.
 
+mod refit;
 mod trees;
 mod watertight;
 

@@ -16,6 +16,11 @@ pub struct World {
 impl World {
     pub fn new(triangles: &[Triangle], spheres: &[([f32; 3], f32)]) -> Self {
         let built = bvh::build(triangles, spheres).expect("finite input");
+        Self::of(built, triangles, spheres)
+    }
+
+    /// Around a tree that somebody built.
+    pub fn of(built: Built, triangles: &[Triangle], spheres: &[([f32; 3], f32)]) -> Self {
         let spheres = built
             .sphere_order
             .iter()

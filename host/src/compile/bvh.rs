@@ -10,10 +10,12 @@
 //! neither their time nor their depth is bounded. Step 1 has a plain substitute, halving at the median.
 
 mod binary;
+mod refit;
 mod wide;
 
 use etendue::blob::format::{LANES, MAX_DEPTH, NONE, Node, Packet};
 
+pub use refit::{Tree, refit};
 pub use wide::Quality;
 
 /// A tree, ready for the blob's sections.

@@ -2,17 +2,19 @@
 //! films add integers, so neither threads nor tiles matter.
 
 mod budget;
+mod crew;
 #[cfg(feature = "cuda")]
 mod cuda;
 mod tiles;
 
 pub use budget::Budget;
+pub use crew::{Crew, Run};
 
+use crew::each_once;
 use etendue::film::{Refused, Step, Sum, merge};
 use etendue::{Counters, Estimator, Scene, Scratch, Settings};
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 use tiles::{Tile, cut, film};
 
@@ -83,6 +85,9 @@ pub enum RenderError {
         /// What rayon says.
         source: rayon::ThreadPoolBuildError,
     },
+    /// The caller's threads left a job out.
+    #[error("the caller's threads returned before every job was done")]
+    Jobs,
     /// The GPU, or its driver, isn't there or fails.
     #[error("{0}")]
     Gpu(String),
@@ -110,6 +115,29 @@ struct Job<'a> {
     size: [u32; 2],
 }
 
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The sum of films of the same size.
+fn add_up(run: &Run<'_>, films: Vec<Vec<Sum>>) -> Result<Vec<Sum>, RenderError> {
+    const PART: usize = 1 << 14;
+    let mut films = films.into_iter();
+    let mut all = films.next().unwrap_or_default();
+    let others: Vec<_> = films.collect();
+    let parts: Vec<_> = all.chunks_mut(PART).map(Mutex::new).collect();
+    each_once(run, parts.len(), &|i| {
+        let mut part = lock(&parts[i]);
+        for other in &others {
+            for (sum, o) in part.iter_mut().zip(&other[i * PART..]) {
+                merge(sum, o);
+            }
+        }
+    })?;
+    drop(parts);
+    Ok(all)
+}
+
 /// Renders `scene`. `stop` ends it after the batch of passes it is in, half a second or one pass long; `watch`
 /// is told of the progress by all threads, tile by tile.
 ///
@@ -129,33 +157,51 @@ pub fn render(
             "this program was built without GPUs: build it with --features cuda".into(),
         ));
     }
-    let threads = options.threads;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|source| RenderError::Threads { threads, source })?;
+    let Options {
+        settings, budget, ..
+    } = *options;
+    let crew = Crew::Own(options.threads);
+    render_with(scene, settings, budget, crew, stop, watch)
+}
+
+/// The same on anybody's threads.
+///
+/// # Errors
+/// As [`render`]; and if the caller's threads leave a job out.
+pub fn render_with(
+    scene: &Scene<'_>,
+    settings: Settings,
+    budget: Budget,
+    crew: Crew<'_>,
+    stop: &AtomicBool,
+    watch: &(dyn Fn(Progress) + Sync),
+) -> Result<Rendered, RenderError> {
     let job = Job {
         scene,
-        settings: options.settings,
+        settings,
         step: Step::new(scene.film_exponent()),
         size: scene.size(),
     };
-    pool.install(|| job.run(options.budget, stop, watch))
+    crew.employ(|run| job.run(budget, run, stop, watch))
 }
 
 impl Job<'_> {
     fn run(
         &self,
         budget: Budget,
+        run: &Run<'_>,
         stop: &AtomicBool,
         watch: &(dyn Fn(Progress) + Sync),
     ) -> Result<Rendered, RenderError> {
         let mut samples = film(self.size)?;
         let pixels = samples.len() as u64;
-        let mut tiles = cut(&mut samples, self.size);
-        let workers = (0..rayon::current_num_threads())
-            .map(|_| Ok(Mutex::new(Worker::new(self)?)))
-            .collect::<Result<Vec<_>, RenderError>>()?;
+        let tiles: Vec<_> = cut(&mut samples, self.size)
+            .into_iter()
+            .map(Mutex::new)
+            .collect();
+        // As many workers as threads were ever busy at once: the caller's may be any number.
+        let idle = Mutex::new(Vec::<Worker>::new());
+        let trouble = Mutex::new(None);
         let started = Instant::now();
         let budget = budget.begin();
         let (mut done, mut interrupted) = (0, false);
@@ -166,12 +212,19 @@ impl Job<'_> {
                 break;
             }
             let finished = AtomicU64::new(done * pixels);
-            tiles.par_iter_mut().with_max_len(1).for_each(|tile| {
-                let worker = &workers[rayon::current_thread_index().unwrap_or(0)];
-                // Nobody else has this thread's worker: the lock is free.
-                let mut worker = worker.lock().unwrap_or_else(PoisonError::into_inner);
-                worker.render(self, tile, done..done + batch);
-                drop(worker);
+            each_once(run, tiles.len(), &|i| {
+                let free = lock(&idle).pop();
+                let mut worker = match free.map_or_else(|| Worker::new(self), Ok) {
+                    Ok(worker) => worker,
+                    Err(e) => {
+                        *lock(&trouble) = Some(e);
+                        return;
+                    }
+                };
+                // Each tile is one job: the lock is free.
+                let mut tile = lock(&tiles[i]);
+                worker.render(self, &mut tile, done..done + batch);
+                lock(&idle).push(worker);
                 let added = tile.len() * batch;
                 let samples = finished.fetch_add(added, Ordering::Relaxed) + added;
                 let passes = samples as f64 / pixels as f64;
@@ -180,7 +233,10 @@ impl Job<'_> {
                     samples,
                     done: budget.share(passes, started.elapsed()),
                 });
-            });
+            })?;
+            if let Some(e) = lock(&trouble).take() {
+                return Err(e);
+            }
             done += batch;
         }
         let seconds = started.elapsed().as_secs_f64();
@@ -194,31 +250,33 @@ impl Job<'_> {
             interrupted,
         };
         let mut splats = Vec::new();
-        for worker in workers {
-            let worker = worker.into_inner().unwrap_or_else(PoisonError::into_inner);
+        for worker in idle.into_inner().unwrap_or_else(PoisonError::into_inner) {
             rendered.counters += worker.scratch.counters;
             rendered.refused += worker.refused;
-            if splats.is_empty() {
-                splats = worker.splats;
-            } else {
-                splats
-                    .par_iter_mut()
-                    .zip(&worker.splats)
-                    .for_each(|(sum, other)| merge(sum, other));
-            }
+            splats.push(worker.splats);
         }
-        rendered.image = self.resolve(tiles, &splats, done);
+        let splats = add_up(run, splats)?;
+        rendered.image = self.resolve(tiles, &splats, done)?;
         Ok(rendered)
     }
 
     /// The image, row by row.
-    fn resolve(&self, tiles: Vec<Tile<'_>>, splats: &[Sum], passes: u64) -> Vec<[f32; 3]> {
-        let [width, height] = self.size.map(u64::from);
-        let pixels = width * height;
-        let mut image = vec![[0.0; 3]; pixels as usize];
-        for mut tile in tiles {
+    fn resolve(
+        &self,
+        tiles: Vec<Mutex<Tile<'_>>>,
+        splats: &[Sum],
+        passes: u64,
+    ) -> Result<Vec<[f32; 3]>, RenderError> {
+        let [width, height] = self.size.map(|n| n as usize);
+        let mut image = Vec::new();
+        image
+            .try_reserve_exact(width * height)
+            .map_err(|_| RenderError::TooLarge { size: self.size })?;
+        image.resize(width * height, [0.0; 3]);
+        for tile in tiles {
+            let mut tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);
             for ([x, y], own) in tile.pixels() {
-                let at = y as usize * width as usize + x as usize;
+                let at = y as usize * width + x as usize;
                 let splat = splats.get(at).unwrap_or(&[0; 3]);
                 // The kernel has scaled splats by 1/pixels; one light walk goes with each sample of each pixel,
                 // so that of their number, pixels · passes, only the passes are left to divide by.
@@ -226,7 +284,7 @@ impl Job<'_> {
                 image[at] = value.map(|x| x as f32);
             }
         }
-        image
+        Ok(image)
     }
 }
 

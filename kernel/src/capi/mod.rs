@@ -1,9 +1,10 @@
 //! The C functions: what `etendue.h` declares (architecture: two static libraries, `kernel/capi` and `host/capi`).
 //!
 //! One room, one rule each:
-//! [`status`] numbers what can go wrong; [`arguments`] turns pointers into references or a status;
-//! [`control`] holds the floating-point control word; [`hooks`] makes the caller's functions a
-//! [`crate::shape::Tracer`] and a [`crate::random::Sampler`]; [`scene`], [`estimate`], [`film`] are the functions.
+//! [`status`] numbers what can go wrong; `arguments` turns pointers into references or a status;
+//! `control` holds the floating-point control word; [`hooks`] makes the caller's functions a
+//! [`crate::shape::Tracer`] and a [`crate::random::Sampler`]; [`scene`], [`settings`], [`scratch`], [`estimate`],
+//! [`film`] are the functions.
 //!
 //! No function allocates, keeps a pointer beyond the call (a scene keeps its blob), or unwinds: the kernel
 //! has no panic to unwind with. What may be shared by threads is said at each type.
@@ -18,14 +19,16 @@ pub mod estimate;
 pub mod film;
 pub mod hooks;
 pub mod scene;
+pub mod scratch;
+pub mod settings;
 pub mod status;
 
 // What the header asserts of C's side.
 const _: () = assert!(
-    size_of::<estimate::EtdSettings>() == 24
+    size_of::<settings::EtdSettings>() == 24
         && size_of::<estimate::EtdTile>() == 32
         && size_of::<estimate::EtdSamples>() == 24
-        && size_of::<estimate::EtdCounters>() == 56
+        && size_of::<scratch::EtdCounters>() == 56
         && size_of::<hooks::EtdRay>() == 40
         && size_of::<hooks::EtdHit>() == 20
         && size_of::<film::EtdSum>() == 48

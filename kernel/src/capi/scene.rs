@@ -97,6 +97,20 @@ pub(super) fn scene<'a>(handle: *const EtdScene) -> Result<&'a Scene<'static>, E
     Ok(unsafe { &(*handle).scene })
 }
 
+impl EtdScene {
+    /// The scene of a handle, for libraries that add functions of their own.
+    ///
+    /// # Errors
+    /// `ETD_E_NULL`, `ETD_E_MISALIGNED`, `ETD_E_HANDLE`.
+    ///
+    /// # Safety
+    /// What every function asks that takes a handle: if it is neither null nor misaligned, it points to
+    /// `ETD_SCENE_SIZE` bytes of live memory, and neither they nor the blob change during `'a`.
+    pub unsafe fn get<'a>(handle: *const Self) -> Result<&'a Scene<'static>, EtdStatus> {
+        scene(handle)
+    }
+}
+
 /// Checks a blob and makes a scene of it in `memory`, in time linear in `blob_size`. Any bytes are safe to open.
 ///
 /// `abi_version` is `ETD_ABI_VERSION`. `blob` is `blob_size` bytes, aligned to `ETD_BLOB_ALIGN`, and stays the caller's; it must

@@ -51,6 +51,23 @@ pub const ETD_E_BLOB_TREE: i32 = 110;
 /// Two numbers that must agree don't.
 pub const ETD_E_BLOB_MISMATCH: i32 = 111;
 
+// Below here: of the hosted library alone (`etendue_host.h`). They stand here so that there is one table of numbers.
+
+/// A file can't be read.
+pub const ETD_E_IO: i32 = 200;
+/// A file is not a scene: it says something that isn't known, or makes no sense.
+pub const ETD_E_PARSE: i32 = 201;
+/// The scene can't be built from what was given.
+pub const ETD_E_SCENE: i32 = 202;
+/// Not enough memory, or the caller's `allocate` said so.
+pub const ETD_E_MEMORY: i32 = 203;
+/// The library has a bug: it panicked, and stopped at its boundary. Free the handles that the call used.
+pub const ETD_E_PANIC: i32 = 204;
+/// The operating system gives no threads.
+pub const ETD_E_THREADS: i32 = 205;
+/// The caller's `run` returned before it had run every job.
+pub const ETD_E_JOBS: i32 = 206;
+
 /// The status of a refused blob.
 pub(super) fn of_blob(e: &BlobError) -> EtdStatus {
     match e.problem {
@@ -94,6 +111,13 @@ fn text(status: EtdStatus) -> &'static CStr {
         ETD_E_BLOB_KIND => c"an unknown kind or flag in the blob",
         ETD_E_BLOB_TREE => c"the blob's nodes are not a tree of the stated depth",
         ETD_E_BLOB_MISMATCH => c"two numbers in the blob that must agree don't",
+        ETD_E_IO => c"a file can't be read",
+        ETD_E_PARSE => c"a file is not a scene that is understood",
+        ETD_E_SCENE => c"the scene can't be built from what was given",
+        ETD_E_MEMORY => c"not enough memory",
+        ETD_E_PANIC => c"a bug in the library, stopped at its boundary",
+        ETD_E_THREADS => c"the operating system gives no threads",
+        ETD_E_JOBS => c"the caller's run returned before it had run every job",
         _ => c"an unknown status",
     }
 }

@@ -13,7 +13,7 @@ use super::{Bounds, Primitive};
 
 /// Cost of visiting a node. The others are relative to it, measured so that neither AVX2, which tests
 /// two packets at once, nor SSE2 lose much; larger leaves also waste fewer lanes.
-const NODE: f32 = 1.0;
+pub(super) const NODE: f32 = 1.0;
 /// Cost of the first packet of a leaf.
 const FIRST_PACKET: f32 = 0.7;
 /// Cost of each further one.
@@ -166,11 +166,15 @@ fn leaf_cost(s: &Summary) -> f32 {
     if (packets > 0 && spheres > 0) || packets > LEAF_PACKETS || spheres > LEAF_SPHERES {
         return f32::INFINITY;
     }
-    let tests = match packets {
+    s.area * tests(packets, spheres)
+}
+
+/// Cost of the tests in a leaf.
+pub(super) fn tests(packets: usize, spheres: usize) -> f32 {
+    match packets {
         0 => spheres as f32 * SPHERE,
         _ => FIRST_PACKET + (packets - 1) as f32 * FURTHER_PACKET,
-    };
-    s.area * tests
+    }
 }
 
 impl Wide {

@@ -1,0 +1,329 @@
+//! Local models and textures.
+
+use crate::arguments::{Sized32, input, place, slice};
+use crate::boundary::{Trouble, copied, fill};
+use crate::builder::{Described, ETD_NONE, EtdBuilder, edit};
+use etendue::capi::status::{ETD_E_ARGUMENT, ETD_E_SIZE, EtdStatus};
+use etendue_host::description::{
+    Color, ColorSource, Image, Material, Model, Pattern, Texels, Texture, Wrap,
+};
+use std::ffi::c_void;
+
+/// Diffuse: `color[0]` reflected, `color[1]` transmitted.
+pub const ETD_DIFFUSE: u32 = 0;
+/// A perfect mirror: `color[0]`.
+pub const ETD_MIRROR: u32 = 1;
+/// A smooth conductor: `eta` + i·`k` relative to outside, scaled by `color[0]`.
+pub const ETD_CONDUCTOR: u32 = 2;
+/// A smooth dielectric: `ior`; `color[0]` scales reflection, `color[1]` transmission.
+pub const ETD_DIELECTRIC: u32 = 3;
+/// Light passes.
+pub const ETD_BOUNDARY: u32 = 4;
+/// A thin sheet: `color[0]` mirror-like, `color[1]` straight through, `color[2]` diffusely reflected, `color[3]` diffusely transmitted.
+pub const ETD_SHEET: u32 = 5;
+/// Flag of `ETD_DIELECTRIC`: Schlick's approximation in place of Fresnel's equations.
+pub const ETD_SCHLICK: u32 = 1;
+
+/// A local model. `etd_material_default` fills it in.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EtdMaterial {
+    /// sizeof(EtdMaterial).
+    pub struct_size: u32,
+    /// `ETD_DIFFUSE` to `ETD_SHEET`.
+    pub kind: u32,
+    /// `ETD_SCHLICK` or 0.
+    pub flags: u32,
+    /// Index of refraction inside (behind the front) over that outside, 0.001 to 1000.
+    pub ior: f32,
+    /// Shares of the light, 0 to 1; what a kind scatters may not exceed 1 in sum. Not looked at where there is a texture.
+    pub color: [[f32; 3]; 4],
+    /// Textures in their place, or `ETD_NONE`.
+    pub texture: [u32; 4],
+    /// Real part of the index of refraction, per channel, > 0.
+    pub eta: [f32; 3],
+    /// Imaginary part, per channel, ≥ 0.
+    pub k: [f32; 3],
+}
+
+/// Squares of the colours `color[0]` (where ⌊u⌋ + ⌊v⌋ is even) and `color[1]`.
+pub const ETD_CHECKERBOARD: u32 = 0;
+/// Texels of 4 bytes, RGBA, coded as sRGB (alpha linear).
+pub const ETD_SRGB8: u32 = 1;
+/// Texels of 4 bytes, RGBA, linear.
+pub const ETD_LINEAR8: u32 = 2;
+/// Texels of 3 floats, linear RGB, 0 to 1.
+pub const ETD_FLOAT: u32 = 3;
+/// Flag: the nearest texel rather than a bilinear mixture.
+pub const ETD_NEAREST: u32 = 1;
+/// Flag: outside [0, 1]² the border goes on, rather than the image starting over.
+pub const ETD_CLAMP: u32 = 2;
+/// Flag: outside [0, 1]² the image goes back and forth.
+pub const ETD_MIRRORED: u32 = 4;
+/// Flag: the value is the alpha channel.
+pub const ETD_ALPHA: u32 = 8;
+
+/// A colour over texture coordinates. `etd_texture_default` fills it in.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EtdTexture {
+    /// sizeof(EtdTexture).
+    pub struct_size: u32,
+    /// `ETD_CHECKERBOARD` to `ETD_FLOAT`.
+    pub kind: u32,
+    /// `ETD_NEAREST` and so on, added up.
+    pub flags: u32,
+    /// Columns of an image, 1 to 65536.
+    pub width: u32,
+    /// Rows of an image, 1 to 65536; the first is the top, at v = 0.
+    pub height: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// Colours of a checkerboard, 0 to 1.
+    pub color: [[f32; 3]; 2],
+    /// Texture coordinates are this matrix of two rows times (u, v, 1).
+    pub to_uv: [[f32; 3]; 2],
+    /// An image's texels, row by row; floats aligned as such.
+    pub texels: *const c_void,
+    /// How many bytes they are: `width` · `height` · 4, or · 12 for `ETD_FLOAT`.
+    pub bytes: usize,
+}
+
+// SAFETY: repr(C), the size first, numbers only.
+unsafe impl Sized32 for EtdMaterial {}
+// SAFETY: repr(C), the size first, numbers and a pointer only.
+unsafe impl Sized32 for EtdTexture {}
+
+pub(crate) fn finite(values: &[f32]) -> bool {
+    values.iter().all(|x| x.is_finite())
+}
+
+/// An id that may be `ETD_NONE`.
+pub(crate) fn optional_id(what: &str, id: u32, count: usize) -> Result<Option<usize>, Trouble> {
+    match id as usize {
+        _ if id == ETD_NONE => Ok(None),
+        id if id < count => Ok(Some(id)),
+        id => Err(bad(format!("{what} {id}: there are {count}"))),
+    }
+}
+
+fn bad(reason: impl Into<String>) -> Trouble {
+    Trouble::new(ETD_E_ARGUMENT, reason)
+}
+
+/// White and diffuse, without textures; an index of refraction of 1.5; eta 1, k 0.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_material_default(material: *mut EtdMaterial) -> EtdStatus {
+    fill(material, || EtdMaterial {
+        struct_size: size_of::<EtdMaterial>() as u32,
+        kind: ETD_DIFFUSE,
+        flags: 0,
+        ior: 1.5,
+        color: [[1.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]],
+        texture: [ETD_NONE; 4],
+        eta: [1.0; 3],
+        k: [0.0; 3],
+    })
+}
+
+/// A checkerboard of black and white squares, one to a unit of texture coordinates.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_texture_default(texture: *mut EtdTexture) -> EtdStatus {
+    fill(texture, || EtdTexture {
+        struct_size: size_of::<EtdTexture>() as u32,
+        kind: ETD_CHECKERBOARD,
+        flags: 0,
+        width: 0,
+        height: 0,
+        reserved: 0,
+        color: [[0.0; 3], [1.0; 3]],
+        to_uv: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        texels: std::ptr::null(),
+        bytes: 0,
+    })
+}
+
+/// Adds a material and writes its id, counted from 0.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_builder_add_material(
+    builder: *mut EtdBuilder,
+    material: *const EtdMaterial,
+    id: *mut u32,
+) -> EtdStatus {
+    edit(builder, |scene| {
+        let (m, id) = (input(material)?, place(id)?);
+        let model = model(&m, scene)?;
+        let new = scene.materials.len();
+        let name = format!("material {new}");
+        scene.materials.push(Material { name, model });
+        *id = new as u32;
+        Ok(())
+    })
+}
+
+/// Puts another material in the place of `id`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_builder_set_material(
+    builder: *mut EtdBuilder,
+    id: u32,
+    material: *const EtdMaterial,
+) -> EtdStatus {
+    edit(builder, |scene| {
+        let model = model(&input(material)?, scene)?;
+        let count = scene.materials.len();
+        match scene.materials.get_mut(id as usize) {
+            Some(place) => place.model = model,
+            None => return Err(bad(format!("material {id}: there are {count}"))),
+        }
+        Ok(())
+    })
+}
+
+/// Adds a texture and writes its id, counted from 0. Its texels are copied.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_builder_add_texture(
+    builder: *mut EtdBuilder,
+    texture: *const EtdTexture,
+    id: *mut u32,
+) -> EtdStatus {
+    edit(builder, |scene| {
+        let (t, id) = (input(texture)?, place(id)?);
+        let pattern = pattern(&t)?;
+        if !finite(t.to_uv.as_flattened()) {
+            return Err(bad("texture: to_uv must be finite"));
+        }
+        let new = scene.textures.len();
+        scene.textures.push(Texture {
+            name: format!("texture {new}"),
+            pattern,
+            to_uv: t.to_uv,
+        });
+        *id = new as u32;
+        Ok(())
+    })
+}
+
+fn pattern(t: &EtdTexture) -> Result<Pattern, Trouble> {
+    let known = ETD_NEAREST | ETD_CLAMP | ETD_MIRRORED | ETD_ALPHA;
+    let both = ETD_CLAMP | ETD_MIRRORED;
+    if t.kind > ETD_FLOAT || t.flags & !known != 0 || t.flags & both == both || t.reserved != 0 {
+        return Err(bad("texture: unknown kind or flags, or reserved isn't 0"));
+    }
+    if t.kind == ETD_CHECKERBOARD {
+        shares("texture", &t.color)?;
+        return Ok(Pattern::Checkerboard { colors: t.color });
+    }
+    if ![t.width, t.height]
+        .iter()
+        .all(|n| (1..=1 << 16).contains(n))
+    {
+        return Err(bad("texture: width and height must be 1 to 65536"));
+    }
+    let count = t.width as usize * t.height as usize;
+    let size = if t.kind == ETD_FLOAT { 12 } else { 4 };
+    if count.checked_mul(size) != Some(t.bytes) {
+        let reason = format!("texture: {} bytes, expected {count} times {size}", t.bytes);
+        return Err(Trouble::new(ETD_E_SIZE, reason));
+    }
+    let small = || slice(t.texels.cast::<[u8; 4]>(), count);
+    let texels = match t.kind {
+        ETD_SRGB8 => Texels::Srgb8(copied(small()?)?),
+        ETD_LINEAR8 => Texels::Linear8(copied(small()?)?),
+        _ => {
+            let texels = slice(t.texels.cast::<Color>(), count)?;
+            shares("texture", texels)?;
+            Texels::Float(copied(texels)?)
+        }
+    };
+    Ok(Pattern::Bitmap {
+        image: Image {
+            width: t.width,
+            height: t.height,
+            texels,
+        },
+        nearest: t.flags & ETD_NEAREST != 0,
+        wrap: match t.flags & both {
+            ETD_CLAMP => Wrap::Clamp,
+            ETD_MIRRORED => Wrap::Mirror,
+            _ => Wrap::Repeat,
+        },
+        alpha: t.flags & ETD_ALPHA != 0,
+    })
+}
+
+fn shares(what: &str, colors: &[Color]) -> Result<(), Trouble> {
+    if colors
+        .as_flattened()
+        .iter()
+        .all(|x| (0.0..=1.0).contains(x))
+    {
+        Ok(())
+    } else {
+        Err(bad(format!("{what}: colours must be 0 to 1")))
+    }
+}
+
+fn model(m: &EtdMaterial, scene: &Described) -> Result<Model, Trouble> {
+    let mut roles = [ColorSource::Constant([0.0; 3]); 4];
+    for ((role, &color), &texture) in roles.iter_mut().zip(&m.color).zip(&m.texture) {
+        *role = match optional_id("texture", texture, scene.textures.len())? {
+            Some(texture) => ColorSource::Texture(texture),
+            None => {
+                shares("material", &[color])?;
+                ColorSource::Constant(color)
+            }
+        };
+    }
+    let [a, b, c, d] = roles;
+    if m.flags & !ETD_SCHLICK != 0 || (m.flags != 0 && m.kind != ETD_DIELECTRIC) {
+        return Err(bad("material: unknown flags"));
+    }
+    let scatters = match m.kind {
+        ETD_DIFFUSE => 2,
+        ETD_SHEET => 4,
+        _ => 1,
+    };
+    // What textures add to it can't be told before they are looked up; the kernel is safe whatever it is.
+    let sum = |channel: usize| -> f32 {
+        let of = |role: &ColorSource| match role {
+            ColorSource::Constant(color) => color[channel],
+            ColorSource::Texture(_) => 0.0,
+        };
+        roles.iter().take(scatters).map(of).sum()
+    };
+    if (0..3).any(|channel| sum(channel) > 1.0 + 1e-5) {
+        return Err(bad("material: scatters more light than it gets"));
+    }
+    let index = m.eta.iter().all(|x| *x > 0.0 && *x <= 1e6);
+    let absorbs = m.k.iter().all(|x| (0.0..=1e6).contains(x));
+    match m.kind {
+        ETD_DIFFUSE => Ok(Model::Diffuse {
+            reflectance: a,
+            transmittance: b,
+        }),
+        ETD_MIRROR => Ok(Model::Mirror { reflectance: a }),
+        ETD_CONDUCTOR if !(index && absorbs) => Err(bad("material: eta must be > 0, k >= 0")),
+        ETD_CONDUCTOR => Ok(Model::Conductor {
+            eta: m.eta,
+            k: m.k,
+            reflectance: a,
+        }),
+        ETD_DIELECTRIC if !(1e-3..=1e3).contains(&m.ior) => {
+            Err(bad("material: ior must be 0.001 to 1000"))
+        }
+        ETD_DIELECTRIC => Ok(Model::Dielectric {
+            ior: m.ior,
+            reflectance: a,
+            transmittance: b,
+            schlick: m.flags == ETD_SCHLICK,
+        }),
+        ETD_BOUNDARY => Ok(Model::Null),
+        ETD_SHEET => Ok(Model::Sheet {
+            specular_reflectance: a,
+            specular_transmittance: b,
+            diffuse_reflectance: c,
+            diffuse_transmittance: d,
+        }),
+        _ => Err(bad("material: unknown kind")),
+    }
+}
