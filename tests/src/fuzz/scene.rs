@@ -74,11 +74,7 @@ fn sensor(s: &mut Source<'_>) -> Result<Sensor> {
     let projection = if s.coin()? {
         Projection::Perspective {
             half_tangent: s.numbers(1e-3, 1e3)?,
-            aperture: if s.coin()? {
-                0.0
-            } else {
-                s.number(0.0, 1e12)?
-            },
+            aperture: if s.coin()? { 0.0 } else { s.number(0.0, 1e12)? },
             focus: s.number(1e-3, 1e12)?,
         }
     } else {
