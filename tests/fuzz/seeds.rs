@@ -16,6 +16,7 @@ type Seeds = BTreeMap<String, Vec<u8>>;
 fn write_seeds() {
     for (target, seeds) in [
         ("blob", blobs()),
+        ("capi", streams(16, 1200)),
         ("mesh", meshes()),
         ("scene", streams(16, 700)),
         ("xml", xmls()),
@@ -47,8 +48,7 @@ fn streams(count: u64, length: usize) -> Seeds {
 fn blobs() -> Seeds {
     let mut seeds = Seeds::new();
     let mut whole = Vec::new();
-    for (name, mut description) in scenes() {
-        description.sensor.resolution = [4, 3];
+    for (name, description) in scenes() {
         let bytes = blob(&description).bytes().to_vec();
         whole.clone_from(&bytes);
         seeds.insert(name.into(), bytes);

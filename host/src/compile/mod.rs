@@ -14,6 +14,7 @@ use etendue::blob::BlobError;
 use etendue::blob::format::{
     Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, material, needs, section,
 };
+use std::path::Path;
 use surfaces::Surfaces;
 
 /// Coordinates beyond this are refused, as the kernel does.
@@ -37,7 +38,7 @@ pub struct Compiled {
 
 /// Why a description can't be compiled.
 #[derive(Clone, Debug, thiserror::Error)]
-#[error("{}: {name}: {reason}", describe(.place))]
+#[error("{}{name}: {reason}", describe(.place))]
 pub struct CompileError {
     /// Where the object was said.
     pub place: Place,
@@ -47,10 +48,23 @@ pub struct CompileError {
     pub reason: String,
 }
 
+impl CompileError {
+    /// The same, in `file` if it isn't known to be about another.
+    #[must_use]
+    pub fn in_file(mut self, file: &Path) -> Self {
+        if self.place.file.as_os_str().is_empty() {
+            self.place.file = file.to_path_buf();
+        }
+        self
+    }
+}
+
 fn describe(place: &Place) -> String {
+    let file = place.file.display();
     match place.line {
-        0 => place.file.display().to_string(),
-        line => format!("{}:{line}", place.file.display()),
+        _ if place.file.as_os_str().is_empty() => String::new(),
+        0 => format!("{file}: "),
+        line => format!("{file}:{line}: "),
     }
 }
 
