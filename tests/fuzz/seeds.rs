@@ -190,9 +190,9 @@ fn serialized(add: &mut impl FnMut(&str, u8, &[u8])) {
     add("serialized_huge_counts", SERIALIZED, &file(4, &huge, table));
     let many = content(0x1000, b"\0", u64::from(u32::MAX), 1 << 31, &flat);
     add("serialized_4g_vertices", SERIALIZED, &file(4, &many, table));
-    let bomb = vec![0; 1 << 20];
+    let bomb = vec![0; 1 << 14];
     add("serialized_zeros", SERIALIZED, &file(4, &bomb, table));
-    let name = vec![b'n'; 1 << 18];
+    let name = vec![b'n'; 1 << 14];
     add(
         "serialized_endless_name",
         SERIALIZED,

@@ -122,8 +122,11 @@ impl Stream<'_> {
         }
     }
 
-    fn number(&mut self, size: u64) -> Result<u64, String> {
-        let bytes = self.bytes(size, "header")?;
+    fn number<const N: usize>(&mut self) -> Result<u64, String> {
+        let mut bytes = [0; N];
+        self.zlib.read_exact(&mut bytes).map_err(|e| {
+            format!("header can't be unpacked: {e}, expected {N} more bytes of zlib data")
+        })?;
         Ok(bytes.iter().rev().fold(0, |n, &b| n << 8 | u64::from(b)))
     }
 
@@ -145,12 +148,12 @@ impl Stream<'_> {
     }
 
     fn mesh(&mut self, version: u16) -> Result<RawMesh, String> {
-        let flags = self.number(4)? as u32;
+        let flags = self.number::<4>()? as u32;
         if version == 4 {
-            while self.number(1)? != 0 {}
+            while self.number::<1>()? != 0 {}
         }
-        let vertices = self.number(8)?;
-        let triangles = self.number(8)?;
+        let vertices = self.number::<8>()?;
+        let triangles = self.number::<8>()?;
         let most = u64::from(u32::MAX);
         if vertices > most || triangles > most {
             return Err(format!(
