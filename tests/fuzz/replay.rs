@@ -1,6 +1,7 @@
 //! Fuzzing without a fuzzer: every seed, and every input that once broke something, through the body of its target.
 //! New ones go into `data/fuzz/TARGET`, named after what they show.
 
+mod found;
 mod seeds;
 
 use etendue_tests::fuzz::TARGETS;
