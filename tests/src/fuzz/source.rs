@@ -66,13 +66,15 @@ impl Source<'_> {
         bool::arbitrary(&mut self.bytes)
     }
 
-    /// A unit vector.
+    /// A unit vector, or any if the source isn't tame.
     pub fn direction(&mut self) -> Result<[f32; 3]> {
-        let v = glam::Vec3::from(self.numbers(-1.0, 1.0)?);
+        let v: [f32; 3] = self.numbers(-1.0, 1.0)?;
+        // In single precision, the length of a short vector is one of denormal numbers.
+        let unit = glam::DVec3::from(v.map(f64::from)).normalize_or(glam::DVec3::Z);
         Ok(if self.tame {
-            v.try_normalize().unwrap_or(glam::Vec3::Z).to_array()
+            unit.to_array().map(|x| x as f32)
         } else {
-            v.to_array()
+            v
         })
     }
 }
