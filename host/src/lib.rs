@@ -10,5 +10,6 @@ pub mod compile;
 pub mod description;
 pub mod develop;
 pub mod load;
+pub mod memory;
 pub mod render;
 pub mod scene;

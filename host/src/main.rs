@@ -2,7 +2,11 @@
 
 use clap::Parser;
 use etendue_host::command::{Command, Failure};
+use etendue_host::memory::Allocator;
 use std::process::ExitCode;
+
+#[global_allocator]
+static MEMORY: Allocator = Allocator;
 
 /// Light transport: renders scenes, compiles them to blobs, compares images.
 ///

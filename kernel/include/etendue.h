@@ -167,6 +167,8 @@ typedef struct EtdBlobError {
     uint32_t section;
     // The record in it.
     uint32_t index;
+    // The rule of the format that it breaks (`etd_rule_string`).
+    uint32_t rule;
 } EtdBlobError;
 
 // What a scene is and holds.
@@ -343,6 +345,9 @@ extern "C" {
 // What a status means, in English, in UTF-8; never null, valid forever. Any thread may call it.
 const char *etd_error_string(EtdStatus status);
 
+// What a rule of the blob's format demands (`EtdBlobError.rule`), in English, in UTF-8; never null, valid forever. Any thread may call it.
+const char *etd_rule_string(uint32_t rule);
+
 // The version of this library's functions and structs: what `etd_scene_open` compares with the caller's
 // `ETD_ABI_VERSION`. Any thread may call it.
 uint32_t etd_abi_version(void);
@@ -489,7 +494,7 @@ EtdStatus etd_film_resolve(const struct EtdScene *handle,
 #define ETD_ASSERT(holds) typedef char EtdAssert[(holds) ? 1 : -1]
 #endif
 ETD_ASSERT(sizeof(EtdSettings) == 24 && sizeof(EtdTile) == 32 && sizeof(EtdSamples) == 24 && sizeof(EtdCounters) == 56 &&
-           sizeof(EtdRay) == 40 && sizeof(EtdHit) == 20 && sizeof(EtdSum) == 48 && sizeof(EtdBlobError) == 12 &&
+           sizeof(EtdRay) == 40 && sizeof(EtdHit) == 20 && sizeof(EtdSum) == 48 && sizeof(EtdBlobError) == 16 &&
            sizeof(EtdSceneInfo) == 64 && sizeof(EtdHooks) == 8 + 6 * sizeof(void *) &&
            ETD_SCENE_SIZE % ETD_SCENE_ALIGN == 0);
 #undef ETD_ASSERT

@@ -1,5 +1,6 @@
 //! The program as a user meets it: its commands, its files, its refusals.
 
+mod faults;
 mod refusals;
 mod signals;
 

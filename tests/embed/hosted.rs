@@ -1,7 +1,7 @@
 //! The hosted library as C sees it: installed, found, linked, run; the same bits as from Rust.
 
 use crate::cornell;
-use crate::tools::{have, run, text};
+use crate::tools::{have, run, target, text};
 use etendue_tests::header::root;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,19 +9,19 @@ use std::sync::OnceLock;
 
 /// Where both libraries are installed, by README's line.
 fn prefix() -> &'static Path {
-    static PREFIX: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
-    let (_, prefix) = PREFIX.get_or_init(|| {
-        let folder = tempfile::tempdir().unwrap();
-        let prefix = folder.path().join("a prefix");
+    static PREFIX: OnceLock<PathBuf> = OnceLock::new();
+    PREFIX.get_or_init(|| {
+        let folder = target("installed");
+        let prefix = folder.join("a prefix");
+        let _ = std::fs::remove_dir_all(&prefix);
         // The script finds its own files from anywhere.
         let script = std::fs::canonicalize(root().join("host/capi/install")).unwrap();
         run(Command::new("sh")
             .arg(script)
             .arg(&prefix)
             .current_dir(&folder));
-        (folder, prefix)
-    });
-    prefix
+        prefix
+    })
 }
 
 /// The program's source.

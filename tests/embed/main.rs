@@ -10,5 +10,6 @@ mod gpu;
 mod headers;
 mod hosted;
 mod misuse;
+mod readme;
 mod tools;
 mod versions;

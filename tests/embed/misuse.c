@@ -79,7 +79,7 @@ int main(int argc, char **argv)
     /* Scenes. */
     void *memory = malloc(ETD_SCENE_SIZE);
     const EtdScene *scene = NULL;
-    EtdBlobError where = {sizeof where, 0, 0};
+    EtdBlobError where = {sizeof where, 0, 0, 0};
     EXPECT(etd_scene_open(ETD_ABI_VERSION + 1, blob, size, memory, ETD_SCENE_SIZE, &scene, NULL), ETD_E_ABI);
     EXPECT(etd_scene_open(ETD_ABI_VERSION, NULL, size, memory, ETD_SCENE_SIZE, &scene, NULL), ETD_E_NULL);
     EXPECT(etd_scene_open(ETD_ABI_VERSION, blob, size, NULL, ETD_SCENE_SIZE, &scene, NULL), ETD_E_NULL);

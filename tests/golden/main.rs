@@ -248,7 +248,8 @@ fn refusals_have_reasons() {
         change(&mut bytes);
         Scene::open(AlignedBlob::copy_of(&bytes).bytes())
             .unwrap_err()
-            .problem
+            .rule
+            .problem()
     };
     assert_eq!(refuse(&|b| b.truncate(100)), Problem::Truncated);
     assert_eq!(refuse(&Vec::clear), Problem::Truncated);
@@ -261,7 +262,10 @@ fn refusals_have_reasons() {
     assert_eq!(refuse(&|b| b[64] = 2), Problem::Section);
     let padded = AlignedBlob::copy_of(&[&[0; 8], good.bytes()].concat());
     assert_eq!(
-        Scene::open(&padded.bytes()[8..]).unwrap_err().problem,
+        Scene::open(&padded.bytes()[8..])
+            .unwrap_err()
+            .rule
+            .problem(),
         Problem::Misaligned
     );
 }

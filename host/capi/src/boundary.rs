@@ -3,6 +3,7 @@
 use etendue::capi::status::{
     ETD_E_MEMORY, ETD_E_MISALIGNED, ETD_E_NULL, ETD_E_PANIC, ETD_OK, EtdStatus, etd_error_string,
 };
+use etendue_host::memory::attempt;
 use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -46,9 +47,7 @@ impl From<EtdStatus> for Trouble {
 
 /// A copy of what C gave; too much of it is an error, not the end of the process.
 pub(crate) fn copied<T: Copy>(values: &[T]) -> Result<Vec<T>, EtdStatus> {
-    let mut copy = Vec::new();
-    copy.try_reserve_exact(values.len())
-        .map_err(|_| ETD_E_MEMORY)?;
+    let mut copy = attempt(values.len()).map_err(|_| ETD_E_MEMORY)?;
     copy.extend_from_slice(values);
     Ok(copy)
 }

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(clap::Args, Debug)]
 pub struct Compare {
     /// Image to judge (.exr, .hdr or .png)
-    a: PathBuf,
+    pub(super) a: PathBuf,
     /// Reference of the same size
     b: PathBuf,
     /// One JSON object on standard output

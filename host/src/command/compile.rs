@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[derive(clap::Args, Debug)]
 pub struct Compile {
     /// Mitsuba 3 scene (.xml)
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// Blob to write (.etd)
     #[arg(short, long = "output", value_name = "OUT")]
     output: PathBuf,

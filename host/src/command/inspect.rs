@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[derive(clap::Args, Debug)]
 pub struct Inspect {
     /// Mitsuba 3 scene (.xml) or compiled blob (.etd)
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// Value for $NAME in the scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     define: Vec<(String, String)>,

@@ -1,5 +1,6 @@
 //! The program's commands, one file each.
 
+use crate::memory::about;
 use std::io::Write;
 
 mod compare;
@@ -47,6 +48,12 @@ impl Command {
     /// # Errors
     /// What went wrong, in one line.
     pub fn run(self) -> Result<(), Failure> {
+        about(match &self {
+            Self::Render(c) => &c.scene,
+            Self::Compile(c) => &c.scene,
+            Self::Inspect(c) => &c.scene,
+            Self::Compare(c) => &c.a,
+        });
         match self {
             Self::Render(c) => c.run(),
             Self::Compile(c) => c.run(),

@@ -23,7 +23,7 @@ const DEFAULT_SAMPLES: u64 = 64;
 #[derive(clap::Args, Debug)]
 pub struct Render {
     /// Mitsuba 3 scene (.xml) or compiled blob (.etd)
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// Image to write: .exr or .hdr (linear), .png (tone-mapped, sRGB); may be repeated
     #[arg(short, long = "output", value_name = "OUT", required = true)]
     output: Vec<PathBuf>,

@@ -10,6 +10,7 @@ mod tiles;
 pub use budget::Budget;
 pub use crew::{Crew, Run};
 
+use crate::memory::attempt;
 use crew::each_once;
 use etendue::film::{Refused, Step, Sum, merge};
 use etendue::{Counters, Estimator, Scene, Scratch, Settings};
@@ -268,10 +269,8 @@ impl Job<'_> {
         passes: u64,
     ) -> Result<Vec<[f32; 3]>, RenderError> {
         let [width, height] = self.size.map(|n| n as usize);
-        let mut image = Vec::new();
-        image
-            .try_reserve_exact(width * height)
-            .map_err(|_| RenderError::TooLarge { size: self.size })?;
+        let mut image =
+            attempt(width * height).map_err(|_| RenderError::TooLarge { size: self.size })?;
         image.resize(width * height, [0.0; 3]);
         for tile in tiles {
             let mut tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);

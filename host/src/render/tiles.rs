@@ -1,6 +1,7 @@
 //! The image in tiles: what threads take one after the other.
 
 use super::RenderError;
+use crate::memory::attempt;
 use etendue::film::Sum;
 
 /// Columns and rows of a tile.
@@ -58,8 +59,7 @@ pub(super) fn film(size: [u32; 2]) -> Result<Vec<Sum>, RenderError> {
     let Ok(pixels) = usize::try_from(pixels) else {
         return Err(too_large);
     };
-    let mut film = Vec::new();
-    film.try_reserve_exact(pixels).map_err(|_| too_large)?;
+    let mut film = attempt(pixels).map_err(|_| too_large)?;
     film.resize(pixels, [0; 3]);
     Ok(film)
 }

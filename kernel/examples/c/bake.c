@@ -98,12 +98,12 @@ int main(int argc, char **argv)
         return 1;
     }
     void *memory = malloc(ETD_SCENE_SIZE);
-    EtdBlobError where = {sizeof where, 0, 0};
+    EtdBlobError where = {sizeof where, 0, 0, 0};
     EtdStatus status =
         etd_scene_open(ETD_ABI_VERSION, blob, size, memory, ETD_SCENE_SIZE, &bake.scene, &where);
     if (status != ETD_OK) {
-        fprintf(stderr, "%s: %s (section %u, record %u)\n", argv[1], etd_error_string(status), (unsigned)where.section,
-                (unsigned)where.index);
+        fprintf(stderr, "%s: %s: %s (section %u, record %u)\n", argv[1], etd_error_string(status),
+                etd_rule_string(where.rule), (unsigned)where.section, (unsigned)where.index);
     } else {
         etd_settings_default(&bake.settings);
         bake.settings.estimator = ETD_BIDIRECTIONAL;

@@ -1,17 +1,19 @@
-//! Why bytes are refused: one reason, and where it was found.
+//! Why bytes are refused: one broken rule, and where it was found.
+
+use super::rule::Rule;
 
 /// Why bytes are not a scene, and where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlobError {
-    /// What is wrong.
-    pub problem: Problem,
+    /// Which rule is broken.
+    pub rule: Rule,
     /// In which section ([`super::format::section`]); 0 is the header or the table of contents.
     pub section: u32,
     /// At which record.
     pub index: u32,
 }
 
-/// What can be wrong with a blob.
+/// The kinds of what can be wrong with a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Problem {
@@ -23,7 +25,7 @@ pub enum Problem {
     Magic,
     /// A version that this kernel doesn't read.
     Version,
-    /// A need that this kernel doesn't know.
+    /// A need that this kernel doesn't know, or was built without.
     Needs,
     /// A section is missing, double, unknown, overlapping, outside the blob or of another record size.
     Section,
@@ -39,26 +41,6 @@ pub enum Problem {
     Tree,
     /// Two numbers that must agree don't.
     Mismatch,
-}
-
-impl Problem {
-    /// In words.
-    pub fn text(self) -> &'static str {
-        match self {
-            Problem::Misaligned => "the bytes must start at an address that is a multiple of 16",
-            Problem::Truncated => "the blob is shorter or longer than its header says",
-            Problem::Magic => "not an Étendue blob",
-            Problem::Version => "a blob of another version",
-            Problem::Needs => "the scene needs something that this kernel doesn't know",
-            Problem::Section => "the table of contents is damaged",
-            Problem::Reserved => "a reserved field is not zero",
-            Problem::Range => "a number is out of range",
-            Problem::Reference => "an id points to nothing",
-            Problem::Kind => "an unknown kind or flag",
-            Problem::Tree => "the nodes are not a tree of the stated depth",
-            Problem::Mismatch => "two numbers that must agree don't",
-        }
-    }
 }
 
 impl core::fmt::Display for BlobError {
@@ -84,7 +66,7 @@ impl core::fmt::Display for BlobError {
         let name = NAMES
             .get(self.section as usize)
             .unwrap_or(&"unknown section");
-        write!(f, "{} ({name}, record {})", self.problem.text(), self.index)
+        write!(f, "{} ({name}, record {})", self.rule.text(), self.index)
     }
 }
 

@@ -487,19 +487,10 @@ pub struct Sensor {
     pub reserved: [u32; 1],
 }
 
-const _: () = {
-    assert!(size_of::<Header>() == 64);
-    assert!(size_of::<Toc>() == 32);
-    assert!(size_of::<World>() == 64);
-    assert!(size_of::<Node>() == 256);
-    assert!(size_of::<Packet>() == 144);
-    assert!(size_of::<Triangle>() == 16);
-    assert!(size_of::<Sphere>() == 32);
-    assert!(size_of::<Shape>() == 64);
-    assert!(size_of::<Material>() == 128);
-    assert!(size_of::<Texture>() == 96);
-    assert!(size_of::<Emitter>() == 128);
-    assert!(size_of::<Choice>() == 16);
-    assert!(size_of::<Cell>() == 12);
-    assert!(size_of::<Sensor>() == 128);
-};
+const _: () = assert!(
+    (size_of::<Header>() == 64 && size_of::<Toc>() == 32 && size_of::<World>() == 64)
+        && (size_of::<Node>() == 256 && size_of::<Packet>() == 144 && size_of::<Triangle>() == 16)
+        && (size_of::<Sphere>() == 32 && size_of::<Shape>() == 64 && size_of::<Material>() == 128)
+        && (size_of::<Texture>() == 96 && size_of::<Emitter>() == 128 && size_of::<Choice>() == 16)
+        && (size_of::<Cell>() == 12 && size_of::<Sensor>() == 128)
+);

@@ -3,8 +3,10 @@
 mod check;
 mod error;
 pub mod format;
+mod rule;
 mod scene;
 
 pub use check::MAX_COORDINATE;
 pub use error::{BlobError, Problem};
+pub use rule::Rule;
 pub use scene::Scene;

@@ -32,7 +32,7 @@ const _: () = assert!(
         && size_of::<hooks::EtdRay>() == 40
         && size_of::<hooks::EtdHit>() == 20
         && size_of::<film::EtdSum>() == 48
-        && size_of::<scene::EtdBlobError>() == 12
+        && size_of::<scene::EtdBlobError>() == 16
         && size_of::<scene::EtdSceneInfo>() == 64
         && size_of::<hooks::EtdHooks>() == 8 + 6 * size_of::<usize>()
 );

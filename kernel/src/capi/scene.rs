@@ -38,6 +38,8 @@ pub struct EtdBlobError {
     pub section: u32,
     /// The record in it.
     pub index: u32,
+    /// The rule of the format that it breaks (`etd_rule_string`).
+    pub rule: u32,
 }
 
 /// What a scene is and holds.
@@ -156,9 +158,14 @@ pub unsafe extern "C" fn etd_scene_open(
                 Ok(())
             }
             Err(e) => {
-                let BlobError { section, index, .. } = e;
+                let BlobError {
+                    section,
+                    index,
+                    rule,
+                } = e;
                 if let Some(report) = error {
                     (report.section, report.index) = (section, index);
+                    report.rule = rule as u32;
                 }
                 Err(of_blob(&e))
             }

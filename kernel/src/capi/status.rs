@@ -1,6 +1,6 @@
 //! Statuses: 0, or the number of what is wrong. Numbers are never reused.
 
-use crate::blob::{BlobError, Problem};
+use crate::blob::{BlobError, Problem, Rule};
 use core::ffi::{CStr, c_char};
 
 /// What a function returns: `ETD_OK`, or one of `ETD_E_…`.
@@ -70,7 +70,7 @@ pub const ETD_E_JOBS: i32 = 206;
 
 /// The status of a refused blob.
 pub(super) fn of_blob(e: &BlobError) -> EtdStatus {
-    match e.problem {
+    match e.rule.problem() {
         Problem::Misaligned => ETD_E_BLOB_MISALIGNED,
         Problem::Truncated => ETD_E_BLOB_TRUNCATED,
         Problem::Magic => ETD_E_BLOB_MAGIC,
@@ -126,6 +126,14 @@ fn text(status: EtdStatus) -> &'static CStr {
 #[unsafe(no_mangle)]
 pub extern "C" fn etd_error_string(status: EtdStatus) -> *const c_char {
     text(status).as_ptr()
+}
+
+/// What a rule of the blob's format demands (`EtdBlobError.rule`), in English, in UTF-8; never null, valid forever. Any thread may call it.
+#[unsafe(no_mangle)]
+pub extern "C" fn etd_rule_string(rule: u32) -> *const c_char {
+    let rule = Rule::ALL.get(rule as usize);
+    rule.map_or(c"an unknown rule", |rule| rule.c_text())
+        .as_ptr()
 }
 
 /// The version of this library's functions and structs: what `etd_scene_open` compares with the caller's

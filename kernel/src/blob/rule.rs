@@ -1,0 +1,174 @@
+//! Every rule that a blob must keep, one by one: what the gate (`blob/check`) verifies and what it says where a blob
+//! breaks one.
+
+use super::error::Problem;
+
+/// Makes the enumeration, the list and the texts from one table.
+macro_rules! rules {
+    ($($name:ident $problem:ident $text:literal)*) => {
+        /// A rule of the format. Its number is stable within a version of the format.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[repr(u8)]
+        pub enum Rule {
+            $(#[doc = concat!("One of `Problem::", stringify!($problem), "`; [`Rule::text`] says what must hold.")] $name,)*
+        }
+
+        impl Rule {
+            /// All of them, by number.
+            pub const ALL: &[Rule] = &[$(Rule::$name),*];
+
+            /// Which kind of problem it is to break it.
+            pub const fn problem(self) -> Problem {
+                match self { $(Rule::$name => Problem::$problem),* }
+            }
+
+            /// What must hold, in words, for C.
+            pub const fn c_text(self) -> &'static core::ffi::CStr {
+                match self { $(Rule::$name => $text),* }
+            }
+        }
+    };
+}
+
+impl Rule {
+    /// What must hold, in words.
+    pub fn text(self) -> &'static str {
+        self.c_text().to_str().unwrap_or_default()
+    }
+}
+
+rules! {
+    // The header.
+    HeaderAddress Misaligned c"the blob must lie at an address that is a multiple of 16"
+    HeaderSize Truncated c"the blob is shorter than a header, 64 bytes"
+    HeaderMagic Magic c"not an Étendue blob: the first bytes must be \"ETENDUE\" and a zero"
+    HeaderVersion Version c"version must be 1, little-endian"
+    HeaderLength Truncated c"the blob is shorter or longer than its header says"
+    HeaderNeeds Needs c"needs must be bits that this kernel knows"
+    HeaderFilm Range c"film_exponent must be in [-64, 64]"
+    HeaderReserved Reserved c"the header's reserved words must be 0"
+    HeaderSections Section c"section_count must be 15"
+    // The table of contents.
+    TocSize Truncated c"the blob is shorter than its table of contents"
+    TocReserved Reserved c"an entry's reserved word must be 0"
+    TocCount Section c"a section's count must be below 4294967295"
+    TocAlign Section c"a section's offset must be a multiple of 64"
+    TocStart Section c"a section must start behind the table of contents"
+    TocEnd Section c"a section must end within the blob"
+    TocTwice Section c"no two sections may be of the same kind"
+    TocOverlap Section c"sections must not overlap"
+    SectionMissing Section c"the section must be there"
+    SectionStride Section c"a section's stride must be its record's size"
+    SectionSingle Section c"the section must hold exactly one record"
+    // World.
+    WorldCenter Range c"center must be within 1e12"
+    WorldRadius Range c"radius must be positive, not subnormal and at most 4e12"
+    WorldDepth Tree c"depth must be at most 32"
+    WorldSphereBase Mismatch c"sphere_base must be 4 times the number of packets"
+    WorldSlots Mismatch c"there must be as many triangle records as packets have lanes"
+    WorldPrimitives Reference c"the ids of triangles and spheres must be below 4294967295"
+    WorldBackground Reference c"background must be an emitter's index, or none"
+    WorldBackgroundKind Reference c"background must be a constant or an environment"
+    WorldExterior Reference c"exterior must be none: there are no media in version 1"
+    WorldReserved Reserved c"reserved words must be 0"
+    // Sensor.
+    SensorKind Kind c"kind must be perspective or orthographic"
+    SensorFilter Kind c"filter must be box, tent or gaussian"
+    SensorFilterRadius Range c"filter_radius must be in [0.001, 8]"
+    SensorFilterSigma Range c"filter_sigma must be in [0, 8], for a gaussian at least 0.001"
+    SensorResolution Range c"resolution must be at most 65536"
+    SensorCrop Range c"the crop window must hold a pixel and lie within the resolution"
+    SensorExtent Range c"half_extent must be in [1e-9, 1e12]"
+    SensorAperture Range c"aperture must be in [0, 1e12]"
+    SensorFocus Range c"focus must be in [1e-9, 1e12]"
+    SensorClip Range c"clip must be finite and not negative"
+    SensorClipOrder Range c"the near clip must be below the far one"
+    SensorOrigin Range c"origin must be within 1e12"
+    SensorPrincipal Range c"principal must be finite"
+    SensorRight Range c"right must be a unit vector"
+    SensorDown Range c"down must be a unit vector"
+    SensorForward Range c"forward must be a unit vector"
+    SensorMedium Reference c"medium must be none: there are no media in version 1"
+    SensorReserved Reserved c"reserved words must be 0"
+    // Nodes.
+    NodeRoot Tree c"there must be a root: node 0, at level 0, without a parent"
+    NodeLevel Tree c"level must be at most world.depth"
+    NodeReserved Reserved c"reserved words must be 0"
+    NodeBox Range c"boxes must not be NaN"
+    NodeChild Reference c"a child must be a node's index"
+    NodeParent Tree c"a child node must name its parent"
+    NodeBelow Tree c"a child node's level must be its parent's plus 1"
+    NodeTwice Tree c"no two children of a node may be the same node"
+    NodePackets Reference c"a leaf's packets must be within their section"
+    NodeSpheres Reference c"a leaf's spheres must be within their section"
+    // Geometry.
+    PacketVertex Range c"vertices must be within 1e12"
+    TriangleShape Reference c"shape must be a shape's index, or none"
+    TriangleVertex Reference c"index must be below the shape's vertices"
+    SphereCenter Range c"center must be within 1e12"
+    SphereRadius Range c"radius must be positive, not subnormal and at most 1e12"
+    SphereShape Reference c"shape must be a shape's index"
+    SphereFlipped Kind c"flipped must be 0 or 1"
+    SphereReserved Reserved c"reserved words must be 0"
+    NormalLength Range c"a normal must be a unit vector"
+    UvFinite Range c"texture coordinates must be finite"
+    ShapeFront Reference c"front must be a material's index, or none"
+    ShapeBack Reference c"back must be a material's index, or none"
+    ShapeMedium Reference c"interior and exterior must be none: there are no media in version 1"
+    ShapeOpacity Reference c"opacity must be a texture's index, or none"
+    ShapeEmitter Reference c"emitter must be an emitter's index, or none"
+    ShapeEmitterOwn Reference c"a shape's emitter must be an area emitter that names the shape"
+    ShapeNormals Reference c"a shape's normals must be within their section"
+    ShapeUvs Reference c"a shape's texture coordinates must be within their section"
+    ShapeReserved Reserved c"reserved words must be 0"
+    // Surfaces.
+    MaterialKind Kind c"kind must be a material's"
+    MaterialFlags Kind c"flags must be those of the material's kind"
+    MaterialColor Range c"color must be in [0, 1]"
+    MaterialTexture Reference c"texture must be a texture's index, or none"
+    MaterialIor Range c"ior must be in [0.001, 1000]"
+    MaterialEta Range c"eta must be in [0, 1e6]"
+    MaterialK Range c"k must be in [0, 1e6]"
+    MaterialReserved Reserved c"reserved words must be 0"
+    TextureLeftOut Needs c"this kernel was built without textures"
+    TextureKind Kind c"kind must be a texture's"
+    TextureFlags Kind c"flags must be a texture's"
+    TextureToUv Range c"to_uv must be finite"
+    TextureColor Range c"color must be in [0, 1]"
+    TextureReserved Reserved c"reserved words must be 0"
+    TextureSize Range c"width must be in [1, 65536], height in [1, 262144]"
+    TextureTexels Reference c"texels must be within their section"
+    TextureBudget Section c"images must not share texels"
+    TextureFloat Range c"texels must be in [0, 1]"
+    // Light.
+    EmitterKind Kind c"kind must be an emitter's"
+    EmitterLeftOut Needs c"this kernel was built without environments"
+    EmitterRadiance Range c"radiance must be in [0, 1e30]"
+    EmitterDensity Range c"density must be finite and not negative"
+    EmitterPosition Range c"position must be within 1e12"
+    EmitterReserved Reserved c"reserved words must be 0"
+    AreaShape Reference c"an area emitter's shape must be a shape's index"
+    AreaShapeOwn Reference c"an area emitter's shape must name it"
+    SpotDirection Range c"a spot's direction must be a unit vector"
+    SpotCosines Range c"a spot's cosines must be in [-1, 1]"
+    SpotOrder Range c"a spot's cos_outer must be below its cos_inner"
+    DirectionalDirection Range c"a directional emitter's direction must be a unit vector"
+    EnvironmentFrame Range c"the rows of to_local must be unit vectors"
+    EnvironmentHeight Range c"an environment must have a row of cells"
+    EnvironmentCube Mismatch c"a cube map must have six square faces"
+    EnvironmentSize Range c"width must be in [1, 65536], height in [1, 262144]"
+    EnvironmentTexels Reference c"texels must be within their section"
+    EnvironmentBudget Section c"images must not share texels"
+    EnvironmentRadiance Range c"texels must be in [0, 1e30]"
+    EnvironmentCells Reference c"cells must be within their section"
+    EnvironmentCellBudget Section c"environments must not share cells"
+    EnvironmentAlias Reference c"a cell's alias must be a cell of its environment"
+    ChoiceKeep Range c"keep must be in [0, 1]"
+    ChoiceAlias Reference c"alias must be a choice's index"
+    ChoiceEmitter Reference c"emitter must be an emitter's index"
+    ChoiceWhole Reference c"an emitter without a shape must be chosen as a whole"
+    ChoicePrimitive Reference c"primitive must be a triangle's or a sphere's id"
+    ChoiceShape Reference c"a chosen primitive must be of its emitter's shape"
+    CellKeep Range c"keep must be in [0, 1]"
+    CellProbability Range c"probability must be in [0, 1]"
+}

@@ -1,0 +1,134 @@
+//! A good blob, and the means to break one thing in it.
+
+use bytemuck::Pod;
+use etendue::blob::format::{Header, Toc};
+use etendue_host::blob::AlignedBlob;
+use etendue_host::description::{ColorSource, EmitterKind, Image, Pattern, Texels, Texture, Wrap};
+use etendue_tests::render::blob;
+use etendue_tests::scenes::room;
+
+/// A blob that is being changed.
+pub struct Draft(pub AlignedBlob);
+
+impl Draft {
+    pub fn header(&mut self) -> &mut Header {
+        let (header, _) = self.0.bytes_mut().split_at_mut(size_of::<Header>());
+        bytemuck::from_bytes_mut(header)
+    }
+
+    /// The table's entry of a section.
+    pub fn toc(&mut self, section: u32) -> &mut Toc {
+        let head = size_of::<Header>();
+        let count = self.header().section_count as usize;
+        let table = &mut self.0.bytes_mut()[head..head + count * size_of::<Toc>()];
+        let table: &mut [Toc] = bytemuck::cast_slice_mut(table);
+        table.iter_mut().find(|t| t.kind == section).unwrap()
+    }
+
+    /// A section's records.
+    pub fn all<T: Pod>(&mut self, section: u32) -> &mut [T] {
+        let toc = *self.toc(section);
+        assert_eq!(toc.stride as usize, size_of::<T>());
+        let start = toc.offset as usize;
+        let end = start + toc.count as usize * size_of::<T>();
+        bytemuck::cast_slice_mut(&mut self.0.bytes_mut()[start..end])
+    }
+
+    pub fn record<T: Pod>(&mut self, section: u32, index: usize) -> &mut T {
+        &mut self.all(section)[index]
+    }
+}
+
+/// Materials of the scene below, by their place in its blob.
+pub const GLASS: usize = 3;
+/// Textures: a checkerboard, two small images, one of the same size as the sky.
+pub const IMAGES: [usize; 2] = [1, 2];
+pub const FLOATS: usize = 3;
+/// The one shape with normals.
+pub const SMOOTH: usize = 6;
+/// The two spheres' shapes: one of glass, one that shines.
+pub const BALL: usize = 7;
+pub const LAMP: usize = 8;
+
+/// A scene in which no section is empty, and each kind of light but cube maps shines.
+pub fn scene() -> Draft {
+    let mut scene = room(|b| {
+        let glass = Some(b.glass(1.5));
+        // Enough triangles for a tree of three levels.
+        b.cuboid([-0.5; 3], [0.5; 3], false, None);
+        let quads = b.description.shapes.pop().unwrap();
+        let etendue_host::description::Geometry::Mesh(mut many) = quads.geometry else {
+            unreachable!()
+        };
+        let one = many.clone();
+        for i in 1..60u8 {
+            let shift = f32::from(i);
+            let first = many.positions.len() as u32;
+            let moved = one
+                .positions
+                .iter()
+                .map(|p| [p[0] + 2.0 * shift, p[1], p[2]]);
+            many.positions.extend(moved);
+            let shifted = one.triangles.iter().map(|t| t.map(|v| v + first));
+            many.triangles.extend(shifted);
+        }
+        many.normals = Some(vec![[0.0, 0.0, 1.0]; many.positions.len()]);
+        many.uvs = Some(vec![[0.5, 0.5]; many.positions.len()]);
+        b.shape(etendue_host::description::Geometry::Mesh(many), glass);
+        b.sphere([0.45, 0.1, 0.35], 0.3, glass);
+        b.sphere([-0.4, 0.1, 0.35], 0.3, None).emission = Some([1.0, 2.0, 3.0]);
+        b.light(EmitterKind::Point {
+            position: [0.0, 0.0, 1.0],
+            intensity: [1.0; 3],
+        });
+        b.light(EmitterKind::Spot {
+            position: [0.0, 0.0, 1.0],
+            direction: [0.0, 0.0, -1.0],
+            intensity: [1.0; 3],
+            cutoff: 0.5,
+            beam_width: 0.3,
+        });
+        b.light(EmitterKind::Directional {
+            direction: [0.0, 0.0, -1.0],
+            irradiance: [1.0; 3],
+        });
+        b.light(EmitterKind::LatLong {
+            width: 4,
+            height: 3,
+            texels: vec![[1.0, 0.5, 0.25]; 12],
+            scale: 1.0,
+            to_local: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        });
+    });
+    let d = &mut scene.description;
+    let image = |width, height, texels| Pattern::Bitmap {
+        image: Image {
+            width,
+            height,
+            texels,
+        },
+        nearest: false,
+        wrap: Wrap::Repeat,
+        alpha: false,
+    };
+    let checkers = Pattern::Checkerboard {
+        colors: [[0.2; 3], [0.8; 3]],
+    };
+    let patterns = [
+        checkers,
+        image(4, 4, Texels::Srgb8(vec![[10, 20, 30, 255]; 16])),
+        image(4, 4, Texels::Linear8(vec![[40, 50, 60, 255]; 16])),
+        image(4, 3, Texels::Float(vec![[0.1, 0.2, 0.3]; 12])),
+    ];
+    for pattern in patterns {
+        d.textures.push(Texture {
+            name: String::new(),
+            pattern,
+            to_uv: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        });
+    }
+    for (shape, texture) in d.shapes.iter_mut().zip(0..4) {
+        shape.opacity = Some(ColorSource::Texture(texture));
+    }
+    Draft(blob(d))
+}
