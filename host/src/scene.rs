@@ -56,10 +56,7 @@ pub fn prepare(path: &Path, defines: &[(String, String)], size: Size) -> Result<
     let loaded = load::load(path, defines).map_err(|e| e.to_string())?;
     let mut description = loaded.description;
     resize(&mut description, size)?;
-    let Compiled { blob, .. } = compile(&description).map_err(|e| e.to_string())?;
-    // The gate is the same for everybody. Its refusal of our own blob is our mistake, but it is still an error.
-    etendue::Scene::open(blob.bytes())
-        .map_err(|e| format!("{}: the compiled scene is refused: {e}", path.display()))?;
+    let Compiled { blob, .. } = compile(&description).map_err(|e| e.in_file(path).to_string())?;
     Ok(Prepared {
         blob,
         advice: description.advice,

@@ -2,6 +2,7 @@
 
 pub mod bits;
 pub mod fresnel;
+pub mod fuzz;
 pub mod header;
 pub mod oracles;
 pub mod render;

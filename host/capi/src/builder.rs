@@ -6,7 +6,6 @@ use crate::boundary::{Trouble, guarded, write_text};
 use crate::control::Control;
 use crate::hooks::{ETD_LOG_ERROR, ETD_LOG_INFO, EtdHost};
 use crate::object::Object;
-use etendue::Scene;
 use etendue::capi::status::{
     ETD_ABI_VERSION, ETD_E_ABI, ETD_E_ARGUMENT, ETD_E_HANDLE, ETD_E_MISALIGNED, ETD_E_NULL,
     ETD_E_SCENE, ETD_E_UNSUPPORTED, EtdStatus,
@@ -139,9 +138,6 @@ impl EtdBuilder {
             tree,
             refitted,
         } = compiled;
-        // The gate is the same for everybody.
-        Scene::open(made.bytes())
-            .map_err(|e| Trouble::new(ETD_E_SCENE, format!("the built scene is refused: {e}")))?;
         blob.fill(made.bytes(), &self.host)?;
         let built = EtdBuilt {
             struct_size: size_of::<EtdBuilt>() as u32,

@@ -140,11 +140,7 @@ fn read(
     }
     let compiled = host
         .work(|| compile(&loaded.description))?
-        .map_err(|e| Trouble::new(ETD_E_SCENE, e.to_string()))?;
-    Scene::open(compiled.blob.bytes()).map_err(|e| {
-        let reason = format!("{place}: the compiled scene is refused: {e}");
-        Trouble::new(ETD_E_SCENE, reason)
-    })?;
+        .map_err(|e| Trouble::new(ETD_E_SCENE, e.in_file(path).to_string()))?;
     blob.fill(compiled.blob.bytes(), host)?;
     Ok(loaded.description.advice)
 }

@@ -9,13 +9,19 @@ mod writer;
 use crate::blob::AlignedBlob;
 use crate::description::{Description, Geometry, Mesh, Place};
 use emitters::{Emitters, Emitting};
+use etendue::Scene;
+use etendue::blob::BlobError;
 use etendue::blob::format::{
-    LANES, NONE, Node, Shape, Sphere, Triangle, World, child, material, needs, section,
+    Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, material, needs, section,
 };
+use std::path::Path;
 use surfaces::Surfaces;
 
 /// Coordinates beyond this are refused, as the kernel does.
 const MAX_COORDINATE: f32 = 1e12;
+
+/// The least area of a light: the density of a point on it, 1 over it at most, still fits single precision.
+const LEAST_AREA: f64 = 1e-37;
 
 /// A compiled scene.
 #[derive(Clone, Debug)]
@@ -32,7 +38,7 @@ pub struct Compiled {
 
 /// Why a description can't be compiled.
 #[derive(Clone, Debug, thiserror::Error)]
-#[error("{}: {name}: {reason}", describe(.place))]
+#[error("{}{name}: {reason}", describe(.place))]
 pub struct CompileError {
     /// Where the object was said.
     pub place: Place,
@@ -42,17 +48,31 @@ pub struct CompileError {
     pub reason: String,
 }
 
+impl CompileError {
+    /// The same, in `file` if it isn't known to be about another.
+    #[must_use]
+    pub fn in_file(mut self, file: &Path) -> Self {
+        if self.place.file.as_os_str().is_empty() {
+            self.place.file = file.to_path_buf();
+        }
+        self
+    }
+}
+
 fn describe(place: &Place) -> String {
+    let file = place.file.display();
     match place.line {
-        0 => place.file.display().to_string(),
-        line => format!("{}:{line}", place.file.display()),
+        _ if place.file.as_os_str().is_empty() => String::new(),
+        0 => format!("{file}: "),
+        line => format!("{file}:{line}: "),
     }
 }
 
 /// Compiles a scene.
 ///
 /// # Errors
-/// A coordinate out of range, a light without area, a second background, or more of something than the format can count.
+/// A number out of its range, a light without area, a second background, or more of something than the format can count. What
+/// is returned opens: the kernel's gate has seen it.
 pub fn compile(d: &Description) -> Result<Compiled, CompileError> {
     assemble(d, None)
 }
@@ -104,8 +124,10 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
                 .sphere(id, *center, *radius, *flipped)
                 .map_err(fail)?,
         };
-        if emission.is_some() && area <= 0.0 {
-            return Err(fail("a light needs an area > 0".into()));
+        if emission.is_some() && area < LEAST_AREA {
+            return Err(fail(format!(
+                "a light needs an area of at least {LEAST_AREA:e}, found {area:e}"
+            )));
         }
         shapes.push(shape);
     }
@@ -224,8 +246,12 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
     writer.section(section::EMITTERS, &emitters.emitters);
     writer.section(section::CHOICES, &emitters.choices);
     writer.section(section::CELLS, &emitters.cells);
+    let blob = writer.finish(bits, film_exponent(emitters.scale));
+    if let Err(e) = Scene::open(blob.bytes()) {
+        return Err(refused(d, &e, &emitters.emitters));
+    }
     Ok(Compiled {
-        blob: writer.finish(bits, film_exponent(emitters.scale)),
+        blob,
         quality: built.quality,
         tree: bvh::Tree {
             nodes: built.nodes,
@@ -235,6 +261,35 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
         },
         refitted: was_refitted,
     })
+}
+
+/// What the gate says of a blob, said of what the description calls it.
+fn refused(d: &Description, e: &BlobError, emitters: &[Emitter]) -> CompileError {
+    let nowhere = |name: &str| (Place::default(), name.to_string());
+    let of_shape = |s: usize| d.shapes.get(s).map(|s| (s.place.clone(), s.name.clone()));
+    let index = e.index as usize;
+    // The lights of shapes stand before the others.
+    let of_light = || match emitters.get(index)?.shape {
+        NONE => {
+            let light = (index + d.emitters.len()).checked_sub(emitters.len())?;
+            d.emitters.get(light).map(|l| nowhere(&l.name))
+        }
+        shape => of_shape(shape as usize),
+    };
+    let found = match e.section {
+        section::SENSOR => Some(nowhere("sensor")),
+        section::SHAPES => of_shape(index),
+        section::MATERIALS => d.materials.get(index).map(|m| nowhere(&m.name)),
+        section::TEXTURES => d.textures.get(index).map(|t| nowhere(&t.name)),
+        section::EMITTERS => of_light(),
+        _ => None,
+    };
+    let (place, name) = found.unwrap_or_else(|| nowhere("scene"));
+    CompileError {
+        place,
+        name,
+        reason: e.to_string(),
+    }
 }
 
 /// Writes into every node whose child it is, and how deep: what lets the kernel prove in one pass that

@@ -17,7 +17,12 @@ const MOST_PACKED: u64 = 1040;
 
 /// Reads mesh `index` of a file.
 pub fn load(path: &Path, index: usize) -> Result<RawMesh, LoadError> {
-    parse(&read(path)?, index).map_err(|text| LoadError::malformed(path, 0, text))
+    parse(&read(path)?, path, index)
+}
+
+/// Reads mesh `index` of a file's bytes; `path` is for messages.
+pub fn parse(bytes: &[u8], path: &Path, index: usize) -> Result<RawMesh, LoadError> {
+    one(bytes, index).map_err(|text| LoadError::malformed(path, 0, text))
 }
 
 fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
@@ -44,7 +49,7 @@ fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
         .map(u64::from_le_bytes)
 }
 
-fn parse(bytes: &[u8], index: usize) -> Result<RawMesh, String> {
+fn one(bytes: &[u8], index: usize) -> Result<RawMesh, String> {
     let short = || {
         format!(
             "file of {} bytes ends too early, expected a serialized mesh",
@@ -117,8 +122,11 @@ impl Stream<'_> {
         }
     }
 
-    fn number(&mut self, size: u64) -> Result<u64, String> {
-        let bytes = self.bytes(size, "header")?;
+    fn number<const N: usize>(&mut self) -> Result<u64, String> {
+        let mut bytes = [0; N];
+        self.zlib.read_exact(&mut bytes).map_err(|e| {
+            format!("header can't be unpacked: {e}, expected {N} more bytes of zlib data")
+        })?;
         Ok(bytes.iter().rev().fold(0, |n, &b| n << 8 | u64::from(b)))
     }
 
@@ -140,12 +148,12 @@ impl Stream<'_> {
     }
 
     fn mesh(&mut self, version: u16) -> Result<RawMesh, String> {
-        let flags = self.number(4)? as u32;
+        let flags = self.number::<4>()? as u32;
         if version == 4 {
-            while self.number(1)? != 0 {}
+            while self.number::<1>()? != 0 {}
         }
-        let vertices = self.number(8)?;
-        let triangles = self.number(8)?;
+        let vertices = self.number::<8>()?;
+        let triangles = self.number::<8>()?;
         let most = u64::from(u32::MAX);
         if vertices > most || triangles > most {
             return Err(format!(

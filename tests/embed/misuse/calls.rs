@@ -58,7 +58,10 @@ fn blobs() {
         assert_eq!(etd_builder_add_mesh(b.0, &line, &raw mut id), ETD_OK);
         let status = etd_builder_build(b.0, &raw mut blob, null_mut());
         assert_eq!(status, ETD_E_SCENE);
-        assert_eq!(b.message(), "object 1: a light needs an area > 0");
+        assert_eq!(
+            b.message(),
+            "object 1: a light needs an area of at least 1e-37, found 0e0"
+        );
     }
 }
 

@@ -12,6 +12,8 @@ const DEEPEST: usize = 64;
 const MOST_INCLUDES: usize = 32;
 /// Elements of all files together, so that includes of includes can't multiply without end.
 const MOST_NODES: usize = 20_000_000;
+/// What `$names` stand for in all attributes together, in bytes: defaults made of defaults would double without end.
+const MOST_REPLACED: usize = 1 << 26;
 
 /// All elements of a scene.
 #[derive(Debug, Default)]
@@ -31,6 +33,7 @@ struct Reading<'a> {
     used: HashSet<String>,
     open: Vec<PathBuf>,
     included: usize,
+    replaced: usize,
 }
 
 impl Document {
@@ -43,6 +46,7 @@ impl Document {
             used: HashSet::new(),
             open: Vec::new(),
             included: 0,
+            replaced: 0,
         };
         reading.document.folders.push(folder(path));
         reading.file(path, None)?;
@@ -228,23 +232,16 @@ impl Reading<'_> {
             place,
         };
         for attribute in xml.attributes() {
-            let value = self.substitute(attribute.value()).map_err(|name| {
-                let what = format!("attribute \"{}\"", attribute.name());
-                node.error(
-                    format!("<{}>", node.tag),
-                    Problem::Dangling {
-                        what,
-                        found: format!("${name}"),
-                    },
-                )
-            })?;
+            let value = self
+                .substitute(attribute.name(), attribute.value())
+                .map_err(|problem| node.error(format!("<{}>", node.tag), problem))?;
             node.attributes.push((attribute.name().to_owned(), value));
         }
         Ok(node)
     }
 
-    /// Replaces `$name`s; the longest name wins. Returns an unknown one.
-    fn substitute(&mut self, text: &str) -> Result<String, String> {
+    /// Replaces `$name`s in an attribute; the longest name wins.
+    fn substitute(&mut self, attribute: &str, text: &str) -> Result<String, Problem> {
         let mut out = String::new();
         let mut rest = text;
         while let Some(at) = rest.find('$') {
@@ -254,7 +251,17 @@ impl Reading<'_> {
                 .find(|c: char| !(c.is_alphanumeric() || c == '_'))
                 .unwrap_or(tail.len());
             let name = &tail[..end];
-            out.push_str(self.values.get(name).ok_or_else(|| name.to_owned())?);
+            let value = self.values.get(name).ok_or_else(|| Problem::Dangling {
+                what: format!("attribute \"{attribute}\""),
+                found: format!("${name}"),
+            })?;
+            self.replaced += value.len();
+            if self.replaced > MOST_REPLACED {
+                let text =
+                    format!("$names stand for more than {MOST_REPLACED} bytes, expected fewer");
+                return Err(Problem::Malformed(text));
+            }
+            out.push_str(value);
             self.used.insert(name.to_owned());
             rest = &tail[end..];
         }

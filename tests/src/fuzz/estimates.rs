@@ -1,0 +1,79 @@
+//! What must hold of every scene that the gate lets in.
+
+use etendue::real::Vec3;
+use etendue::shape::IsaKind;
+use etendue::spectrum::Spectrum;
+use etendue::{Estimator, Heuristic, Rgb, Scene, Scratch, Settings};
+
+/// Every estimator, every heuristic.
+const ALL: [(Estimator, Heuristic); 7] = [
+    (Estimator::Path, Heuristic::Power),
+    (Estimator::Path, Heuristic::Maximum),
+    (Estimator::Light, Heuristic::Power),
+    (Estimator::Bidirectional, Heuristic::Balance),
+    (Estimator::Bidirectional, Heuristic::Power),
+    (Estimator::Bidirectional, Heuristic::Cutoff),
+    (Estimator::Bidirectional, Heuristic::Maximum),
+];
+
+/// Longest path that is asked for: what a hostile scene costs grows with its square.
+const EDGES: u32 = 6;
+
+/// One estimate of each kind: its value, the sum of its splats, how many there were.
+type Answers = Vec<([f32; 3], [f32; 3], u32)>;
+
+/// Estimates a few pixels, a ray and a probe with everything.
+///
+/// # Panics
+/// If anything isn't finite and ≥ 0, if a splat misses the image, or if two instruction sets differ.
+pub fn estimates(scene: &Scene<'_>, seed: u64) {
+    let first = answers(&scene.with_isa(IsaKind::Scalar), seed);
+    let best = answers(&scene.with_isa(IsaKind::best()), seed);
+    assert_eq!(first, best, "instruction sets differ");
+}
+
+fn answers(scene: &Scene<'_>, seed: u64) -> Answers {
+    let [width, height] = scene.size();
+    let mut scratch = Scratch::<8>::new();
+    let mut out = Vec::new();
+    for (i, (estimator, heuristic)) in (0u32..).zip(ALL) {
+        let settings = Settings {
+            estimator,
+            heuristic,
+            max_edges: Some(EDGES),
+            seed,
+            ..Settings::default()
+        };
+        let pixel = [
+            (width / 2 + i * 7919) % width,
+            (height / 2 + i * 104_729) % height,
+        ];
+        let (mut splats, mut count) = (Rgb::BLACK, 0);
+        let own = scene.estimate(&settings, pixel, 0, &mut scratch, &mut |[x, y], value| {
+            assert!(x < width && y < height, "a splat at {x}, {y}");
+            fine(value, "splat");
+            splats += value;
+            count += 1;
+        });
+        fine(own, "sample");
+        out.push((own.to_array(), splats.to_array(), count));
+    }
+    let settings = Settings {
+        max_edges: Some(EDGES),
+        seed,
+        ..Settings::default()
+    };
+    let center = Vec3::from(scene.world().center);
+    let along = scene.radiance(&settings, center, Vec3::Z, 0, 0, &mut scratch);
+    let around = scene.irradiance(&settings, center, Vec3::X, 0, 0, &mut scratch);
+    for value in [along, around] {
+        fine(value, "probe");
+        out.push((value.to_array(), [0.0; 3], 0));
+    }
+    out
+}
+
+fn fine(value: Rgb, what: &str) {
+    let good = |x: &f32| (0.0..f32::INFINITY).contains(x);
+    assert!(value.to_array().iter().all(good), "{what} {value:?}");
+}
