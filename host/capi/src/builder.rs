@@ -4,14 +4,13 @@ use crate::arguments::{Sized32, optional_out, output, slice, slice_mut};
 use crate::blob::EtdBlob;
 use crate::boundary::{Trouble, guarded, write_text};
 use crate::control::Control;
+use crate::described::{Described, Object};
 use crate::hooks::{ETD_LOG_ERROR, ETD_LOG_INFO, EtdHost};
-use crate::object::Object;
 use etendue::capi::status::{
     ETD_ABI_VERSION, ETD_E_ABI, ETD_E_ARGUMENT, ETD_E_HANDLE, ETD_E_MISALIGNED, ETD_E_NULL,
     ETD_E_SCENE, ETD_E_UNSUPPORTED, EtdStatus,
 };
 use etendue_host::compile::{Compiled, bvh::Tree, compile, recompile};
-use etendue_host::description::Description;
 use glam::{DMat3, DMat4, DVec3};
 use std::ffi::c_char;
 
@@ -35,26 +34,6 @@ pub struct EtdMedium {
 }
 
 const MAGIC: u64 = 0x6c69_7542_5364_7445; // "EtdSBuil"
-
-/// What has been said so far: a description whose shapes wait, unmoved, in `objects`.
-#[derive(Default)]
-pub(crate) struct Described {
-    pub rest: Description,
-    pub objects: Vec<Object>,
-}
-
-impl std::ops::Deref for Described {
-    type Target = Description;
-    fn deref(&self) -> &Description {
-        &self.rest
-    }
-}
-
-impl std::ops::DerefMut for Described {
-    fn deref_mut(&mut self) -> &mut Description {
-        &mut self.rest
-    }
-}
 
 /// What a build made.
 #[repr(C)]

@@ -2,7 +2,7 @@
 //! (`etendue_host.h`).
 //!
 //! One room, one rule each: `boundary` lets nothing unwind into C; [`hooks`] are the caller's allocator, log and threads' number;
-//! [`blob`] hands out memory; [`builder`] keeps a scene that C describes, with [`camera`], [`surface`], [`object`] and [`light`]
+//! [`blob`] hands out memory; [`builder`] keeps a scene that C describes (`described`), with [`camera`], [`surface`], [`object`] and [`light`]
 //! turning its structs into the host's description; [`load`] reads scene files; [`render`] renders.
 // A pointer's contract stands in the function's own documentation, which is C's header.
 #![allow(clippy::missing_safety_doc)]
@@ -20,6 +20,7 @@ pub mod blob;
 mod boundary;
 pub mod builder;
 pub mod camera;
+mod described;
 pub mod hooks;
 pub mod light;
 pub mod load;

@@ -1,12 +1,13 @@
-//! Objects: meshes and spheres, and where they are.
+//! Objects: meshes and spheres.
 
 use crate::arguments::{Sized32, input, place, slice};
 use crate::boundary::{Trouble, copied, fill};
-use crate::builder::{Described, ETD_NONE, EtdBuilder, edit};
+use crate::builder::{ETD_NONE, EtdBuilder, edit};
+use crate::described::{Described, Object};
 use crate::surface::{finite, optional_id};
 use etendue::capi::status::{ETD_E_ARGUMENT, EtdStatus};
 use etendue_host::description::{Color, ColorSource, Geometry, Mesh, Place, Shape};
-use glam::{DMat3, DMat4, DVec3};
+use glam::DMat4;
 
 /// Triangles over shared vertices. `etd_mesh_default` fills it in.
 #[repr(C)]
@@ -64,69 +65,6 @@ pub struct EtdSphere {
 unsafe impl Sized32 for EtdMesh {}
 // SAFETY: as above.
 unsafe impl Sized32 for EtdSphere {}
-
-/// An object where it was given, and where it is.
-pub(crate) struct Object {
-    shape: Shape,
-    to_world: DMat4,
-}
-
-impl Object {
-    /// Puts it somewhere else.
-    pub fn place(&mut self, to_world: DMat4) -> Result<(), String> {
-        if matches!(self.shape.geometry, Geometry::Sphere { .. }) {
-            let square = DMat3::from_mat4(to_world);
-            let square = square.transpose() * square;
-            let scale = square.col(0).x;
-            let off = (square * (1.0 / scale) - DMat3::IDENTITY).to_cols_array();
-            if !off.iter().all(|x| x.abs() <= 1e-4) {
-                return Err(
-                    "matrix: a sphere may be moved, turned and scaled, not stretched".into(),
-                );
-            }
-        }
-        self.to_world = to_world;
-        Ok(())
-    }
-
-    /// A copy in world space.
-    pub fn in_world(&self) -> Shape {
-        let mut shape = self.shape.clone();
-        // Bit for bit what was given.
-        if self.to_world == DMat4::IDENTITY {
-            return shape;
-        }
-        let linear = DMat3::from_mat4(self.to_world);
-        let point = |p: [f32; 3]| {
-            let p = self
-                .to_world
-                .transform_point3(DVec3::from(p.map(f64::from)));
-            p.to_array().map(|x| x as f32)
-        };
-        match &mut shape.geometry {
-            Geometry::Mesh(mesh) => {
-                for p in &mut mesh.positions {
-                    *p = point(*p);
-                }
-                let to_normal = linear.inverse().transpose();
-                for n in mesh.normals.iter_mut().flatten() {
-                    let turned = to_normal * DVec3::from(n.map(f64::from));
-                    *n = turned.normalize_or_zero().to_array().map(|x| x as f32);
-                }
-                if linear.determinant() < 0.0 {
-                    for t in &mut mesh.triangles {
-                        t.swap(1, 2);
-                    }
-                }
-            }
-            Geometry::Sphere { center, radius, .. } => {
-                *center = point(*center);
-                *radius = (f64::from(*radius) * linear.determinant().abs().cbrt()) as f32;
-            }
-        }
-        shape
-    }
-}
 
 fn bad(reason: impl Into<String>) -> Trouble {
     Trouble::new(ETD_E_ARGUMENT, reason)

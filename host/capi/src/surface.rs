@@ -2,7 +2,8 @@
 
 use crate::arguments::{Sized32, input, place, slice};
 use crate::boundary::{Trouble, copied, fill};
-use crate::builder::{Described, ETD_NONE, EtdBuilder, edit};
+use crate::builder::{ETD_NONE, EtdBuilder, edit};
+use crate::described::Described;
 use etendue::capi::status::{ETD_E_ARGUMENT, ETD_E_SIZE, EtdStatus};
 use etendue_host::description::{
     Color, ColorSource, Image, Material, Model, Pattern, Texels, Texture, Wrap,

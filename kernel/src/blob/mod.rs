@@ -7,6 +7,6 @@ mod rule;
 mod scene;
 
 pub use check::MAX_COORDINATE;
-pub use error::{BlobError, Problem};
-pub use rule::Rule;
+pub use error::BlobError;
+pub use rule::{Problem, Rule};
 pub use scene::Scene;

@@ -1,7 +1,35 @@
 //! Every rule that a blob must keep, one by one: what the gate (`blob/check`) verifies and what it says where a blob
 //! breaks one.
 
-use super::error::Problem;
+/// The kinds of what can be wrong with a blob.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The bytes don't start at a multiple of 16.
+    Misaligned,
+    /// Shorter than the header says, or than a header is.
+    Truncated,
+    /// Not a blob at all.
+    Magic,
+    /// A version that this kernel doesn't read.
+    Version,
+    /// A need that this kernel doesn't know, or was built without.
+    Needs,
+    /// A section is missing, double, unknown, overlapping, outside the blob or of another record size.
+    Section,
+    /// A reserved field isn't zero.
+    Reserved,
+    /// A number is not finite, or outside its range.
+    Range,
+    /// An id points to nothing, or to the wrong thing.
+    Reference,
+    /// A kind or flag that this kernel doesn't know.
+    Kind,
+    /// The nodes are not a tree of the stated depth.
+    Tree,
+    /// Two numbers that must agree don't.
+    Mismatch,
+}
 
 /// Makes the enumeration, the list and the texts from one table.
 macro_rules! rules {
