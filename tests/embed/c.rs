@@ -12,7 +12,8 @@ use std::sync::LazyLock;
 
 /// `libetendue.a` as users build it.
 static LIBRARY: LazyLock<PathBuf> = LazyLock::new(|| {
-    let folder = target("capi-plain");
+    // Where README's line builds it too.
+    let folder = root().canonicalize().unwrap().join("target/capi");
     run(&mut cargo("kernel/capi", &folder));
     folder.join("release/libetendue.a")
 });
