@@ -8,7 +8,7 @@ use etendue::shape::IsaKind;
 use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_tests::bits::{hash, scenes};
-use etendue_tests::header::root;
+use etendue_tests::place::root;
 use etendue_tests::render::blob;
 use std::fmt::Write;
 use std::path::PathBuf;

@@ -5,7 +5,7 @@ use etendue::real::Vec3;
 use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::scene::{Size, prepare};
-use etendue_tests::header::root;
+use etendue_tests::place::root;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;

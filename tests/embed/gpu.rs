@@ -1,8 +1,12 @@
 //! A GPU: the module that the host carries is that of the sources, and where there is a GPU it gives the same bits.
 
 use crate::tools::{have, have_core, run, target, text};
-use etendue_tests::header::root;
+use etendue::{Estimator, Scene, Settings};
+use etendue_host::render::{Budget, Device, Options, render};
+use etendue_host::scene::{Size, prepare};
+use etendue_tests::place::root;
 use std::process::Command;
+use std::sync::atomic::AtomicBool;
 
 /// `sh kernel/ptx/build` makes it anew.
 #[test]
@@ -34,39 +38,36 @@ fn the_module_is_that_of_the_sources() {
 
 #[test]
 fn without_a_gpu_it_says_so_and_with_one_the_bits_are_the_same() {
-    let folder = target("cuda");
-    run(Command::new(env!("CARGO"))
-        .current_dir(root())
-        .args(["build", "--release", "--locked", "-p", "etendue-host"])
-        .args(["--features", "cuda", "--target-dir"])
-        .arg(&folder));
-    let render = |device: &str, estimator: &str| {
-        let out = folder.join(format!("{device}.exr"));
-        let _ = std::fs::remove_file(&out);
-        let output = Command::new(folder.join("release/etendue"))
-            .arg("render")
-            .arg(root().join("host/scenes/cornell-box.xml"))
-            .args(["--width", "64", "--spp", "8", "--device", device])
-            .args(["--estimator", estimator, "--quiet", "-o"])
-            .arg(&out)
-            .output()
-            .unwrap();
-        (output, std::fs::read(&out).ok())
+    let size = Size {
+        width: Some(64),
+        height: None,
+    };
+    let cornell = prepare(&root().join("host/scenes/cornell-box.xml"), &[], size).unwrap();
+    let scene = Scene::open(cornell.blob.bytes()).unwrap();
+    let render = |device, estimator| {
+        let options = Options {
+            settings: Settings {
+                estimator,
+                ..Settings::default()
+            },
+            budget: Budget::Passes(8),
+            threads: 2,
+            device,
+        };
+        render(&scene, &options, &AtomicBool::new(false), &|_| ())
     };
     let there = std::path::Path::new("/dev/nvidiactl").exists();
-    for estimator in ["path", "light", "bidirectional"] {
-        let (output, image) = render("cuda", estimator);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        if there {
-            let (_, expected) = render("cpu", estimator);
-            assert!(output.status.success(), "{said}");
-            assert!(
-                image == expected && image.is_some(),
-                "{estimator}: the GPU's bits differ"
-            );
-        } else {
-            assert!(!output.status.success() && image.is_none());
-            assert!(said.contains("no NVIDIA driver"), "{said}");
+    for estimator in [Estimator::Path, Estimator::Light, Estimator::Bidirectional] {
+        match render(Device::Cuda, estimator) {
+            Ok(rendered) => {
+                let expected = render(Device::Cpu, estimator).unwrap();
+                let same = rendered.image == expected.image;
+                assert!(same, "{estimator:?}: the GPU's bits differ");
+            }
+            Err(e) => {
+                let said = e.to_string();
+                assert!(!there && said.contains("no NVIDIA driver"), "{said}");
+            }
         }
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! `ETENDUE_BLESS=1 cargo test --release -p etendue-tests --test embed headers` writes them anew.
 
-use etendue_tests::header::{header, root};
-use std::path::Path;
+use etendue_tests::place::root;
+use std::path::{Path, PathBuf};
 
 fn check(file: &Path, made: &str) {
     if std::env::var_os("ETENDUE_BLESS").is_some() {
@@ -37,4 +37,14 @@ fn the_hosts_header_is_that_of_the_sources() {
     .map(|name| host.join(format!("capi/src/{name}.rs")));
     let made = header(&host.join("capi/cbindgen.toml"), &files);
     check(&host.join("include/etendue_host.h"), &made);
+}
+
+/// The header that `config` describes, from these Rust files in this order.
+fn header(config: &Path, files: &[PathBuf]) -> String {
+    let config = cbindgen::Config::from_file(config).unwrap();
+    let builder = cbindgen::Builder::new().with_config(config);
+    let builder = files.iter().fold(builder, |b, file| b.with_src(file));
+    let mut text = Vec::new();
+    builder.generate().unwrap().write(&mut text);
+    String::from_utf8(text).unwrap()
 }

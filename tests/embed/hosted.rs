@@ -2,7 +2,7 @@
 
 use crate::cornell;
 use crate::tools::{have, run, target, text};
-use etendue_tests::header::root;
+use etendue_tests::place::root;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;

@@ -1,7 +1,7 @@
 //! README's section "Embed", word for word: what it shows is what the tests run, and its commands work.
 
 use crate::tools::{have, run, text};
-use etendue_tests::header::root;
+use etendue_tests::place::root;
 use std::process::Command;
 
 /// The code blocks of a language in the section.

@@ -1,6 +1,6 @@
 //! Other people's tools: found, run, or said to be missing.
 
-use etendue_tests::header::root;
+use etendue_tests::place::root;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

@@ -1,6 +1,6 @@
 //! Packages outside of the workspace use what the workspace's table says.
 
-use etendue_tests::header::root;
+use etendue_tests::place::root;
 use std::collections::BTreeMap;
 
 /// The resolved versions in a lock file, by package.

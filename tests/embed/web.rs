@@ -7,7 +7,7 @@ use etendue::{Estimator, Scene, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::render::{Budget, Device, Options, render};
 use etendue_tests::bits::hash;
-use etendue_tests::header::root;
+use etendue_tests::place::root;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;

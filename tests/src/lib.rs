@@ -3,8 +3,8 @@
 pub mod bits;
 pub mod fresnel;
 pub mod fuzz;
-pub mod header;
 pub mod oracles;
+pub mod place;
 pub mod render;
 pub mod scenes;
 pub mod statistics;

@@ -88,6 +88,7 @@ renderer!(
     /// In single precision.
     single, etendue
 );
+#[cfg(feature = "double")]
 renderer!(
     /// In double precision.
     double, etendue_f64
