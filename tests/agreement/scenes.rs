@@ -264,6 +264,26 @@ pub fn lights() -> Vec<Named> {
             FromLight,
         ),
         (
+            "sun, spot and sky, chosen among",
+            open(&|b| {
+                b.light(EmitterKind::Directional {
+                    direction: [-0.6, 0.0, -0.8],
+                    irradiance: [1.0, 0.9, 0.8],
+                });
+                b.light(EmitterKind::Spot {
+                    position: [0.0, -1.0, 1.5],
+                    direction: [0.0, 0.55, -0.835_164_6],
+                    intensity: [2.0; 3],
+                    cutoff: 0.6,
+                    beam_width: 0.4,
+                });
+                b.light(EmitterKind::Constant {
+                    radiance: [0.1, 0.2, 0.3],
+                });
+            }),
+            FromLight,
+        ),
+        (
             "spheres and triangles, many",
             open(&|b| {
                 for i in 0..12 {
