@@ -339,6 +339,15 @@ pub fn sensors() -> Vec<Named> {
             d.sensor.crop = Some([9, 14, 20, 16]);
         }),
         with("thin lens", &lens),
+        // Blurred over several blocks of the image: where on the lens a light walk is seen from matters.
+        with("thin lens, wide open and close", &|d| {
+            if let Projection::Perspective {
+                aperture, focus, ..
+            } = &mut d.sensor.projection
+            {
+                (*aperture, *focus) = (0.5, 1.2);
+            }
+        }),
         with("tent filter", &|d| {
             d.sensor.filter = Filter::Tent { radius: 1.5 }
         }),
