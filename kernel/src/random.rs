@@ -34,6 +34,12 @@ pub enum Purpose {
     Lobe,
     /// The direction within the lobe.
     Direction,
+    /// Which channel leads, where densities differ by channel.
+    Lead,
+    /// How far a walk flies through a medium; tentative collisions.
+    Flight,
+    /// Which part of a blend.
+    Blend,
     /// Whether a fractional mask is there.
     Opacity,
     /// Whether the walk goes on.

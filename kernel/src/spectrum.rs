@@ -18,6 +18,10 @@ pub trait Spectrum:
     const BLACK: Self;
     /// One in every channel.
     const WHITE: Self;
+    /// How many channels there are.
+    const CHANNELS: usize;
+    /// Channel `i`; 0 if there is none.
+    fn channel(self, i: usize) -> Real;
     /// The spectrum that linear sRGB coefficients of a scene file stand for.
     fn from_rgb(rgb: [f32; 3]) -> Self;
     /// What the film records: linear sRGB.
@@ -64,7 +68,12 @@ impl Rgb {
 impl Spectrum for Rgb {
     const BLACK: Self = Self::new(0.0, 0.0, 0.0);
     const WHITE: Self = Self::new(1.0, 1.0, 1.0);
+    const CHANNELS: usize = 3;
 
+    #[inline(always)]
+    fn channel(self, i: usize) -> Real {
+        self.to_array().get(i).copied().unwrap_or(0.0)
+    }
     #[inline(always)]
     #[allow(clippy::unnecessary_cast)] // not unnecessary in the double-precision package
     fn from_rgb(c: [f32; 3]) -> Self {

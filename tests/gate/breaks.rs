@@ -65,7 +65,7 @@ fn header() -> Vec<Break> {
         broken(Rule::HeaderSize, 0, 0, move |d| cut(d, 63)),
         broken(Rule::HeaderSize, 0, 0, move |d| cut(d, 0)),
         h(Rule::HeaderMagic, |d| d.header().magic[6] = b'e'),
-        h(Rule::HeaderVersion, |d| d.header().version = 2),
+        h(Rule::HeaderVersion, |d| d.header().version = 1),
         broken(Rule::HeaderLength, 0, 0, move |d| cut(d, 10_000)),
         h(Rule::HeaderLength, |d| d.header().length += 1),
         h(Rule::HeaderNeeds, |d| d.header().needs |= 1 << 31),
@@ -105,7 +105,7 @@ fn contents() -> Vec<Break> {
             d.toc(section::UVS).offset = d.toc(section::NORMALS).offset;
         }),
         broken(Rule::SectionMissing, section::CELLS, 0, |d| {
-            d.toc(section::CELLS).kind = 16;
+            d.toc(section::CELLS).kind = 18;
         }),
         broken(Rule::SectionStride, section::NORMALS, 0, |d| {
             d.toc(section::NORMALS).stride = 8;

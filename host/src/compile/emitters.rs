@@ -219,6 +219,7 @@ fn blank() -> Emitter {
     Emitter {
         direction: [0.0, 0.0, 1.0],
         to_local: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        medium: NONE,
         ..Emitter::zeroed()
     }
 }

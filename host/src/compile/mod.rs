@@ -12,7 +12,7 @@ use emitters::{Emitters, Emitting};
 use etendue::Scene;
 use etendue::blob::BlobError;
 use etendue::blob::format::{
-    Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, material, needs, section,
+    self,     Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, material, needs, section,
 };
 use std::path::Path;
 use surfaces::Surfaces;
@@ -246,6 +246,8 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
     writer.section(section::EMITTERS, &emitters.emitters);
     writer.section(section::CHOICES, &emitters.choices);
     writer.section(section::CELLS, &emitters.cells);
+    writer.section::<format::Medium>(section::MEDIA, &[]);
+    writer.section::<format::Grid>(section::GRIDS, &[]);
     let blob = writer.finish(bits, film_exponent(emitters.scale));
     if let Err(e) = Scene::open(blob.bytes()) {
         return Err(refused(d, &e, &emitters.emitters));

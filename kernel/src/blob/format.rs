@@ -1,4 +1,4 @@
-//! Blob v1, byte for byte: enough to write one from any language.
+//! Blob v2, byte for byte: enough to write one from any language.
 //!
 //! A blob is one run of bytes, little-endian, to be placed at an address that is a multiple of 16:
 //!
@@ -30,12 +30,16 @@
 //! a run of packets or a run of spheres. Each node but the root names its parent and is its child exactly once;
 //! levels count from the root, and none is above `world.depth`, at most [`MAX_DEPTH`]. Children's boxes contain what they hold. An empty slot's box is (+∞, −∞).
 
+mod media;
+
+pub use media::{Grid, Lobe, Medium, medium};
+
 use bytemuck::{Pod, Zeroable};
 
 /// The first eight bytes.
 pub const MAGIC: [u8; 8] = *b"ETENDUE\0";
 /// The version this module describes.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// "No such thing", wherever an id is optional.
 pub const NONE: u32 = u32::MAX;
 /// Triangles per packet.
@@ -65,8 +69,16 @@ pub mod needs {
     pub const SMOOTH_NORMALS: u32 = 1 << 6;
     /// At least one surface that transmits.
     pub const TRANSMISSION: u32 = 1 << 7;
+    /// At least one medium, and boundaries that name it.
+    pub const MEDIA: u32 = 1 << 8;
+    /// At least one medium that is a grid.
+    pub const GRIDS: u32 = 1 << 9;
+    /// At least one medium that emits.
+    pub const GLOWING: u32 = 1 << 10;
+    /// At least one glossy lobe: neither diffuse nor Dirac.
+    pub const GLOSSY: u32 = 1 << 11;
     /// All that this version knows.
-    pub const KNOWN: u32 = (1 << 8) - 1;
+    pub const KNOWN: u32 = (1 << 12) - 1;
 }
 
 /// Section kinds.
@@ -101,10 +113,14 @@ pub mod section {
     pub const CHOICES: u32 = 14;
     /// [`super::Cell`]: alias tables over the cells of environment images.
     pub const CELLS: u32 = 15;
+    /// [`super::Medium`]s.
+    pub const MEDIA: u32 = 16;
+    /// [`super::Grid`]s.
+    pub const GRIDS: u32 = 17;
     /// Every kind, in the order in which our compiler writes them.
-    pub const ALL: [u32; 15] = [
+    pub const ALL: [u32; 17] = [
         WORLD, SENSOR, NODES, PACKETS, TRIANGLES, SPHERES, NORMALS, UVS, SHAPES, MATERIALS,
-        TEXTURES, TEXELS, EMITTERS, CHOICES, CELLS,
+        TEXTURES, TEXELS, EMITTERS, CHOICES, CELLS, MEDIA, GRIDS,
     ];
 }
 
@@ -158,7 +174,8 @@ pub struct World {
     pub sphere_base: u32,
     /// Index of the emitter that rays leaving the scene meet (constant or environment), or [`NONE`].
     pub background: u32,
-    /// Medium that holds the space outside all objects; [`NONE`] (vacuum) in version 1.
+    /// Medium that holds the space outside all objects; [`NONE`]: vacuum. Where it is one that takes light away,
+    /// there are no emitters at infinity: nothing would arrive from them.
     pub exterior: u32,
     /// Zero.
     pub reserved: [u32; 8],
@@ -238,7 +255,8 @@ pub struct Shape {
     pub front: u32,
     /// Material seen from the other side; [`NONE`] is black.
     pub back: u32,
-    /// Medium behind the normal ([`NONE`]: vacuum). Version 1 has no media.
+    /// Medium behind the normal; [`NONE`]: vacuum. Where `interior` and `exterior` are both [`NONE`], the shape doesn't
+    /// part media: the same one is on both of its sides, whichever it is (a wall that stands in fog).
     pub interior: u32,
     /// Medium in front of the normal.
     pub exterior: u32,
@@ -364,6 +382,9 @@ pub mod emitter {
     /// coordinates (s, t) ∈ [−1, 1]² are (y, z)/|x|, on ±y (z, x)/|y|, on ±z (x, y)/|z|;
     /// column ⌊(s+1)/2·width⌋, row ⌊(t+1)/2·width⌋; nearest texel.
     pub const CUBEMAP: u32 = 6;
+    /// What `medium` emits, drawn uniformly from the box `position` + ξ·`to_local` (its rows are the box's edges), ξ ∈ [0, 1]³, that
+    /// holds all of the medium; `density` is per unit of volume.
+    pub const VOLUME: u32 = 7;
 }
 
 /// A light.
@@ -398,8 +419,10 @@ pub struct Emitter {
     /// Environments: first of the [`section::CELLS`]: width·(height−1) for lat-long (a cell lies
     /// between texel centres), width·height for cube maps.
     pub cells: u32,
+    /// point, spot: the medium it stands in. volume: the medium that emits. [`NONE`]: vacuum.
+    pub medium: u32,
     /// Zero.
-    pub reserved: [u32; 5],
+    pub reserved: [u32; 4],
 }
 
 /// An entry of the alias table over emitting primitives (Walker 1977, Vose 1991): stay with
@@ -478,7 +501,7 @@ pub struct Sensor {
     pub down: [f32; 3],
     /// The optical axis, into the scene, unit.
     pub forward: [f32; 3],
-    /// Medium it stands in; [`NONE`] in version 1.
+    /// Medium it stands in; [`NONE`]: vacuum.
     pub medium: u32,
     /// Shift of the film in units of the full image's width and height: film point x looks where x + `principal`
     /// would without it.
@@ -493,4 +516,5 @@ const _: () = assert!(
         && (size_of::<Sphere>() == 32 && size_of::<Shape>() == 64 && size_of::<Material>() == 128)
         && (size_of::<Texture>() == 96 && size_of::<Emitter>() == 128 && size_of::<Choice>() == 16)
         && (size_of::<Cell>() == 12 && size_of::<Sensor>() == 128)
+        && (size_of::<Medium>() == 224 && size_of::<Grid>() == 32 && size_of::<Lobe>() == 16)
 );

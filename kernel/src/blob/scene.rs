@@ -6,8 +6,8 @@
 use super::check;
 use super::error::BlobError;
 use super::format::{
-    Cell, Choice, Emitter, Header, LANES, Material, NONE, Node, Packet, Sensor, Shape, Sphere,
-    Texture, Triangle, World, needs,
+    Cell, Choice, Emitter, Grid, Header, LANES, Material, Medium, NONE, Node, Packet, Sensor,
+    Shape, Sphere, Texture, Triangle, World, needs,
 };
 use crate::real::{Vec3, vec3};
 use crate::shape::{Instructions, IsaKind};
@@ -33,6 +33,8 @@ pub struct Scene<'a> {
     pub(super) emitters: &'a [Emitter],
     pub(super) choices: &'a [Choice],
     pub(super) cells: &'a [Cell],
+    pub(super) media: &'a [Medium],
+    pub(super) grids: &'a [Grid],
     pub(super) isa: Instructions,
 }
 
@@ -132,6 +134,17 @@ impl<'a> Scene<'a> {
         self.cells
     }
 
+    /// What fills its scattering volumes.
+    pub fn media(&self) -> &'a [Medium] {
+        self.media
+    }
+
+    /// The grids of its media.
+    #[inline(always)]
+    pub fn grids(&self) -> &'a [Grid] {
+        self.grids
+    }
+
     /// All texels.
     #[inline(always)]
     pub fn texels(&self) -> &'a [u32] {
@@ -219,6 +232,11 @@ impl<'a> Scene<'a> {
     #[inline(always)]
     pub(crate) fn emitter(&self, id: u32) -> Option<&'a Emitter> {
         self.emitters.get(id as usize)
+    }
+
+    #[inline(always)]
+    pub(crate) fn medium(&self, id: u32) -> Option<&'a Medium> {
+        self.media.get(id as usize)
     }
 
     /// The normal of vertex `index` of `shape`.

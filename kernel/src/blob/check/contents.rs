@@ -84,7 +84,7 @@ fn check_entry(table: &[Toc], length: u64, index: usize, entry: &Toc) -> Checked
     ensure(entry.offset >= END as u64, Rule::TocStart)?;
     let stop = stop(entry).ok_or(Rule::TocEnd)?;
     ensure(stop <= length, Rule::TocEnd)?;
-    // Fifteen sections: comparing each with each is still a constant.
+    // Seventeen sections: comparing each with each is still a constant.
     for other in table.iter().take(index) {
         ensure(entry.kind != other.kind, Rule::TocTwice)?;
         let end = self::stop(other).ok_or(Rule::TocEnd)?;

@@ -45,6 +45,8 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
         emitters: contents.section(section::EMITTERS)?,
         choices: contents.section(section::CHOICES)?,
         cells: contents.section(section::CELLS)?,
+        media: contents.section(section::MEDIA)?,
+        grids: contents.section(section::GRIDS)?,
         isa: Instructions::select(IsaKind::best()),
     };
     let s = &scene;
