@@ -12,7 +12,8 @@ use emitters::{Emitters, Emitting};
 use etendue::Scene;
 use etendue::blob::BlobError;
 use etendue::blob::format::{
-    self,     Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, material, needs, section,
+    self, Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, material, needs,
+    section,
 };
 use std::path::Path;
 use surfaces::Surfaces;

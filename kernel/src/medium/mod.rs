@@ -12,10 +12,14 @@
 //! of channels however much the extinctions differ. In Woodcock's tracking tentative collisions are drawn from a majorant of all channels, and
 //! the densities are those of the path with its null collisions, which are known pointwise (Miller, Georgiev & Jarosz 2019).
 
+mod phase;
+
+pub use phase::{Phase, Turn};
+
 use crate::blob::Scene;
 use crate::blob::format::Medium;
 use crate::random::Sampler;
-use crate::real::{Real, exp};
+use crate::real::{Real, Vec3, exp};
 use crate::shape::Ray;
 use crate::spectrum::Spectrum;
 
@@ -100,6 +104,12 @@ impl Way<'_, '_> {
     pub fn expected(&self, lead: usize) -> Real {
         exp(-density(self.medium, lead) * self.ray.t_max)
     }
+}
+
+/// E of medium `id` at `position`, if that lies in it.
+pub fn emission<S: Spectrum>(scene: &Scene<'_>, id: u32, position: Vec3) -> S {
+    let _ = (scene, id, position);
+    S::BLACK
 }
 
 /// What MIS takes for σ_t of channel `lead`, wherever in the medium.
