@@ -322,10 +322,10 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
         sampler: &mut impl Sampler,
     ) -> Sight<K::S> {
         self.counters.shadow_rays += 1;
-        ray.t_max *= SHORTEN;
         if K::MEDIA {
             return self.visibility_in_media(ray, medium, sampler);
         }
+        ray.t_max *= SHORTEN;
         if !self.scene.has_passable() {
             return Sight::free(if self.tracer.occluded(&ray) { 0.0 } else { 1.0 });
         }
@@ -372,8 +372,17 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
         sampler: &mut impl Sampler,
     ) -> Sight<K::S> {
         let mut sight = Sight::<K::S>::free(1.0);
+        // Surfaces aren't asked about that far; media fill it all.
+        let rounding = if ray.t_max < Real::INFINITY {
+            ray.t_max * (1.0 - SHORTEN)
+        } else {
+            0.0
+        };
         loop {
-            let hit = self.tracer.closest(&ray);
+            let hit = self.tracer.closest(&Ray {
+                t_max: ray.t_max - rounding,
+                ..ray
+            });
             let found = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)));
             let opacity = found.map_or(0.0, |(point, _)| self.opacity(&point, ray.direction));
             if opacity >= 1.0 {
