@@ -8,9 +8,9 @@ use super::instance::Instance;
 use super::vertex::Vertex;
 use crate::blob::Scene;
 use crate::blob::format::{NONE, Shape, material};
-use crate::medium::{Carried, Collision, Flight, Way, density};
+use crate::medium::{Carried, Collision, Flight, Way};
 use crate::random::{Purpose, Sampler};
-use crate::real::{Real, Vec3, exp, sqrt};
+use crate::real::{Real, Vec3, sqrt};
 use crate::shape::{Point, Ray, Tracer};
 use crate::spectrum::Spectrum;
 use core::marker::PhantomData;
@@ -235,7 +235,11 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
                 );
                 match flight {
                     Flight::Collided(c) => {
-                        passage.expected *= exp(-density(way.medium, self.lead) * c.t);
+                        let walked = Ray {
+                            t_max: c.t,
+                            ..way.ray
+                        };
+                        passage.expected *= Way { ray: walked, ..way }.expected(self.lead);
                         return Meeting::Collision(c, distance + ray.t_min + c.t);
                     }
                     Flight::Through => passage.expected *= way.expected(self.lead),
