@@ -241,7 +241,10 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
     };
     let small = d.shapes.iter().any(small) || !d.emitters.iter().all(|e| is_distant(&e.kind));
     for (holds, bit) in [
-        (small && media.needs & needs::MEDIA != 0, needs::SMALL_LIGHTS),
+        (
+            small && media.needs & needs::MEDIA != 0,
+            needs::SMALL_LIGHTS,
+        ),
         (!spheres.is_empty(), needs::SPHERES),
         (!geometry.normals.is_empty(), needs::SMOOTH_NORMALS),
         (

@@ -276,6 +276,9 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
                 );
                 match flight {
                     Flight::Collided(c) => {
+                        if let Some(leg) = &mut passage.leg {
+                            leg.t = c.t;
+                        }
                         let walked = Ray {
                             t_max: c.t,
                             ..way.ray

@@ -232,8 +232,9 @@ impl<S: Spectrum> Vertex<S> {
             let phase = self.phase(scene)?;
             // Symmetric: the way back has the same density.
             let pdf = phase.pdf(self.previous, direction);
-            return (pdf > 0.0).then(|| Joint {
-                value: phase.eval(self.previous, direction),
+            let value = phase.scattering * pdf;
+            return (!value.is_black()).then_some(Joint {
+                value,
                 pdf,
                 pdf_reverse: pdf,
             });

@@ -358,7 +358,8 @@ pub fn joined<K: Instance>(lead: usize, x: K::S, y: K::S, tau: K::S) -> K::S {
     }
     let mean = (x * y * tau).mean();
     let led = tau.channel(lead);
-    if led > 0.0 {
+    // Nothing has got here, or nothing gets through.
+    if led > 0.0 && mean > 0.0 {
         tau * (led / mean)
     } else {
         K::S::BLACK
