@@ -1,5 +1,8 @@
 //! Media: their records, grids with majorants, and the boxes from which those that emit are sampled as lights.
 
+pub(super) mod lines;
+pub(super) mod space;
+
 use super::bvh::Bounds;
 use crate::description::{Description, Geometry, Grid, Grids, Medium, Phase, Tracking};
 use bytemuck::Zeroable;
@@ -88,9 +91,6 @@ impl Media {
         self.media.push(record);
         if !emits {
             return Ok(());
-        }
-        if d.exterior == Some(id) {
-            return Err("emits and fills the space outside all objects, expected a medium that objects enclose".into());
         }
         let Some(bounds) = bounds else { return Ok(()) };
         self.glowing

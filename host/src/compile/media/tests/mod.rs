@@ -1,3 +1,7 @@
+//! Media in the blob.
+
+mod space;
+
 use super::{majorants, texels_of};
 use crate::compile::{CompileError, compile};
 use crate::description::{
