@@ -75,7 +75,7 @@ impl Media {
         };
         let mut emitted = mean(m.emission);
         if let Some(grids) = &m.grids {
-            emitted *= self.grids(grids, &mut record, texels)?;
+            emitted *= self.grids(m, grids, &mut record, texels)?;
         }
         let emits = m.emission.iter().any(|&e| e > 0.0);
         let bounds = bounds(d, id);
@@ -101,6 +101,7 @@ impl Media {
     /// The grids of a medium; returns the mean over the unit cube of what emission is multiplied by.
     fn grids(
         &mut self,
+        m: &Medium,
         grids: &Grids,
         record: &mut format::Medium,
         texels: &mut Vec<u32>,
@@ -124,6 +125,7 @@ impl Media {
                     .fold(f32::MIN_POSITIVE, |m, &a| m.max(a));
             record.albedos = self.grid(albedo, limit, "albedo", texels)?;
         }
+        absorbs(m, grids)?;
         let mut emission = 1.0;
         if let Some(grid) = &grids.emission {
             record.emissions = self.grid(grid, f32::MAX, "emission", texels)?;
@@ -209,8 +211,69 @@ fn check(m: &Medium) -> Result<(), String> {
     }
     for c in 0..3 {
         let absorbs = m.sigma_t[c] > 0.0 && m.albedo[c] < 1.0;
-        if m.emission[c] > 0.0 && !absorbs && (m.grids.is_none() || m.sigma_t[c] == 0.0) {
+        let varies = m.grids.as_ref().is_some_and(|g| g.albedo.is_some());
+        if m.emission[c] > 0.0 && !absorbs && (!varies || m.sigma_t[c] == 0.0) {
             return Err("emits where it doesn't absorb, expected sigma_t > 0 and albedo < 1 in each channel that emits".into());
+        }
+    }
+    Ok(())
+}
+
+/// Whether a medium with grids absorbs wherever it emits. Grids of the same size and filter weight the same texels anywhere, so that it is
+/// enough to look at those.
+fn absorbs(m: &Medium, grids: &Grids) -> Result<(), String> {
+    let alike = |a: &Grid, b: &Grid| a.size == b.size && a.nearest == b.nearest;
+    let extinction = &grids.extinction;
+    if m.emission == [0.0; 3] {
+        return Ok(());
+    }
+    if grids
+        .emission
+        .as_ref()
+        .is_some_and(|e| !alike(e, extinction))
+    {
+        return Err("the grid of emission must have the size and filter of that of sigma_t".into());
+    }
+    let value = |grid: Option<&Grid>, texel: usize, c: usize| {
+        grid.map_or(1.0, |g| {
+            let (values, channels) = g.values.flat();
+            values
+                .get(texel * channels + c % channels)
+                .copied()
+                .unwrap_or(0.0)
+        })
+    };
+    let texels = extinction.size.iter().map(|&n| n as usize).product();
+    let most = |g: &Grid, c: usize| {
+        let (values, channels) = g.values.flat();
+        values
+            .iter()
+            .skip(c % channels)
+            .step_by(channels)
+            .fold(0.0f32, |a, b| a.max(*b))
+    };
+    for c in (0..3).filter(|&c| m.emission[c] > 0.0) {
+        // An albedo below 1 everywhere may have any size.
+        let albedo = grids
+            .albedo
+            .as_ref()
+            .filter(|g| m.albedo[c] * most(g, c) >= 1.0);
+        if albedo.is_some_and(|a| !alike(a, extinction)) {
+            return Err("the grid of an albedo that reaches 1 must have the size and filter of that of sigma_t where the medium emits".into());
+        }
+        for texel in 0..texels {
+            let emits = value(grids.emission.as_ref(), texel, c) > 0.0;
+            let black = value(Some(extinction), texel, c) == 0.0;
+            let white = albedo.is_some() && m.albedo[c] * value(albedo, texel, c) >= 1.0;
+            if emits && (black || white) {
+                let [w, h, _] = extinction.size.map(|n| n as usize);
+                return Err(format!(
+                    "emits where it doesn't absorb, at texel ({}, {}, {}); expected sigma_t > 0 and albedo < 1 wherever emission is > 0",
+                    texel % w,
+                    texel / w % h,
+                    texel / w / h
+                ));
+            }
         }
     }
     Ok(())

@@ -363,3 +363,50 @@ fn what_fills_all_space_does_not_emit() {
     let error = compile(&d).unwrap_err();
     assert!(error.reason.contains("outside all objects"), "{error}");
 }
+
+#[test]
+fn emission_without_absorption_is_found_texel_by_texel() {
+    let dense = gray([2, 1, 2], |i| if i == 2 { 0.0 } else { 1.0 });
+    let with = |emission: Option<Grid>, albedo: Option<Grid>, factor: f32| Medium {
+        albedo: [factor; 3],
+        grids: Some(Grids {
+            emission,
+            albedo,
+            ..grids(dense.clone())
+        }),
+        ..flame()
+    };
+    let flames = gray([2, 1, 2], |i| if i == 1 { 3.0 } else { 0.0 });
+    compile(&ball(with(Some(flames.clone()), None, 0.5))).unwrap();
+    let white = gray([2, 1, 2], |i| if i == 1 { 0.5 } else { 1.0 });
+    compile(&ball(with(Some(flames.clone()), Some(white.clone()), 1.0))).unwrap();
+    compile(&ball(with(
+        Some(flames.clone()),
+        Some(gray([1, 1, 1], |_| 0.5)),
+        1.0,
+    )))
+    .unwrap();
+    let cases = [
+        (with(None, None, 0.5), "at texel (0, 0, 1)"),
+        (
+            with(Some(gray([2, 1, 2], |_| 1.0)), None, 0.5),
+            "at texel (0, 0, 1)",
+        ),
+        (
+            with(Some(gray([1, 1, 1], |_| 1.0)), None, 0.5),
+            "the size and filter",
+        ),
+        (
+            with(Some(flames.clone()), Some(gray([2, 1, 2], |_| 1.0)), 1.0),
+            "at texel (1, 0, 0)",
+        ),
+        (
+            with(Some(flames), Some(gray([1, 1, 1], |_| 1.0)), 1.0),
+            "an albedo that reaches 1",
+        ),
+    ];
+    for (m, expected) in cases {
+        let found = refusal(m);
+        assert!(found.contains(expected), "{found}, expected {expected}");
+    }
+}
