@@ -47,7 +47,7 @@ impl Emitters {
     }
 
     /// Adds a medium that emits.
-    pub fn volume(&mut self, glowing: &Glowing) {
+    pub fn volume(&mut self, glowing: &Glowing) -> u32 {
         self.scale = self.scale.max(glowing.radiance);
         let e = Emitter {
             kind: emitter::VOLUME,
@@ -58,7 +58,7 @@ impl Emitters {
             ..blank()
         };
         let power = 4.0 * PI * glowing.mean * glowing.volume;
-        self.push(e, power, glowing.volume);
+        self.push(e, power, glowing.volume)
     }
 
     fn push(&mut self, e: Emitter, power: f64, volume: f64) -> u32 {

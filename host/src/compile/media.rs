@@ -71,6 +71,7 @@ impl Media {
             extinctions: NONE,
             albedos: NONE,
             emissions: NONE,
+            emitter: NONE,
             ..format::Medium::zeroed()
         };
         let mut emitted = mean(m.emission);

@@ -94,11 +94,12 @@ pub fn recompile(d: &Description, tree: &bvh::Tree) -> Result<Compiled, CompileE
 
 fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, CompileError> {
     let mut surfaces = Surfaces::compile(d);
-    let media = Media::compile(d, &mut surfaces.texels).map_err(|(id, reason)| CompileError {
-        place: d.media[id].place.clone(),
-        name: d.media[id].name.clone(),
-        reason,
-    })?;
+    let mut media =
+        Media::compile(d, &mut surfaces.texels).map_err(|(id, reason)| CompileError {
+            place: d.media[id].place.clone(),
+            name: d.media[id].name.clone(),
+            reason,
+        })?;
     let mut emitters = Emitters::default();
     let mut geometry = Flat::default();
     let mut shapes = Vec::new();
@@ -189,7 +190,8 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
         space::find(d, &tree, center, radius)?
     };
     for glowing in &media.glowing {
-        emitters.volume(glowing);
+        let emitter = emitters.volume(glowing);
+        media.media[glowing.medium as usize].emitter = emitter;
     }
     for (e, medium) in d.emitters.iter().zip(&found.emitters) {
         let fail = |reason: String| CompileError {

@@ -89,6 +89,7 @@ pub(super) fn incident<S: Spectrum>(
             dirac: false,
             trace_over_connect: density / (pdf * jacobian),
             emission: INV_PI * jacobian,
+            medium: NONE,
         });
     }
     let (position, normal, offset) = position(scene, primitive, xi)?;
@@ -108,6 +109,7 @@ pub(super) fn incident<S: Spectrum>(
         dirac: false,
         trace_over_connect: 1.0,
         emission: INV_PI * cos_light / squared,
+        medium: NONE,
     })
 }
 
@@ -150,6 +152,8 @@ pub(super) fn emission<S: Spectrum>(
         dirac: false,
         emitter: NONE,
         primitive: NONE,
+        medium: NONE,
+        volume: false,
     })
 }
 

@@ -15,6 +15,8 @@ mod distant;
 #[cfg(feature = "environment")]
 mod environment;
 mod point;
+#[cfg(feature = "media")]
+pub mod volume;
 
 pub use area::{connect_density, radiance, trace_density};
 #[cfg(feature = "environment")]
@@ -45,6 +47,8 @@ pub struct Incident<S> {
     pub trace_over_connect: Real,
     /// A light walk from x₀ has density `emission`·|cos θ_y| per area at y.
     pub emission: Real,
+    /// The medium that emits at x₀, and in which x₀ has to lie; [`NONE`](crate::blob::format::NONE) where no medium emits.
+    pub medium: u32,
 }
 
 /// Light that leaves: x₀ and the first edge of a light walk.
@@ -75,6 +79,10 @@ pub struct Emission<S> {
     pub emitter: u32,
     /// area: the primitive.
     pub primitive: u32,
+    /// The medium that the ray starts in, as far as the emitter knows.
+    pub medium: u32,
+    /// Whether it is that medium which emits. Then x₀ has to lie in it.
+    pub volume: bool,
 }
 
 /// Draws light that arrives at `y`.
@@ -92,6 +100,8 @@ pub fn incident<S: Spectrum>(
         kind::AREA => area::incident(scene, emitter, entry.primitive, y, xi),
         kind::POINT | kind::SPOT => point::incident(emitter, y),
         kind::DIRECTIONAL => Some(distant::directional_incident(scene, emitter)),
+        #[cfg(feature = "media")]
+        kind::VOLUME => volume::incident(scene, emitter, y, [xi[0], xi[1], more[0]]),
         _ => distant::incident(scene, emitter, xi, more),
     }
 }
@@ -111,6 +121,11 @@ pub fn emission<S: Spectrum>(
         kind::AREA => area::emission(scene, emitter, entry.primitive, position, direction),
         kind::POINT | kind::SPOT => point::emission(emitter, direction),
         kind::DIRECTIONAL => Some(distant::directional_emission(scene, emitter, position)),
+        #[cfg(feature = "media")]
+        kind::VOLUME => {
+            let xi = [position[0], position[1], more[0]];
+            volume::emission(scene, emitter, xi, direction)
+        }
         _ => distant::emission(scene, emitter, position, direction, more),
     }
     .map(|e| Emission {

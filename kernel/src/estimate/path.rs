@@ -2,43 +2,52 @@
 //! the walk itself may meet one (s = 0); the two share by MIS (Veach 1997, §9.2).
 
 use super::Settings;
+use crate::blob::format::NONE;
 use crate::emitter;
-use crate::path::{Arrival, Heuristic, Trace, Walk};
+use crate::path::{Arrival, Heuristic, Instance, Trace, Walk, joined};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Real, Vec3, square};
 use crate::sensor::Element;
 use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
-use crate::surface::{Local, Mode};
+use crate::surface::Mode;
 
 /// One sample.
 #[inline(always)]
-pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
-    trace: &mut Trace<'_, '_, T>,
+pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-) -> S {
+) -> K::S {
     let limit = settings.limit();
-    let mut radiance = S::BLACK;
+    let mut radiance = K::S::BLACK;
     if limit == 0 {
         return radiance;
     }
     let scene = trace.scene;
     let start = element.start(scene, sampler);
     let mis = super::mis(settings, 0.0, 1);
-    let mut walk = Walk::<S>::from_sensor(&start, 0.0);
+    let medium = super::surroundings(trace, element);
+    let mut walk = Walk::<K::S>::from_sensor(&start, medium, 0.0);
     // Where the walk comes from: the density of having sampled the light from there competes.
     let mut from: Option<Vec3> = None;
     loop {
-        let (vertex, distance) = match walk.arrive(trace, sampler, &mis) {
+        let arrival = walk.arrive(trace, sampler, &mis);
+        if K::MEDIA {
+            // What glows on the way, by its integral along the line: no other strategy makes it.
+            radiance += walk.glow;
+        }
+        // How a walk would have come here: by its direction, and through the media on the way.
+        let walked = walk.pdf() * walk.expected;
+        let (vertex, distance) = match arrival {
             Arrival::Vertex(vertex, distance) => (vertex, distance),
             Arrival::Escaped(_) => {
                 if let Some((background, density)) =
-                    emitter::background::<S>(scene, walk.ray.direction)
+                    emitter::background::<K::S>(scene, walk.ray.direction)
                 {
                     let weight = if from.is_some() {
-                        share(settings.heuristic, walk.pdf(), density, true)
+                        share(settings.heuristic, walked, density, true)
                     } else {
                         1.0
                     };
@@ -53,7 +62,7 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
             .shape(vertex.point.shape)
             .and_then(|s| scene.emitter(s.emitter))
         {
-            let emitted = emitter::radiance::<S>(e, &vertex.point, vertex.previous);
+            let emitted = emitter::radiance::<K::S>(e, &vertex.point, vertex.previous);
             if !emitted.is_black() {
                 let weight = match from {
                     Some(y) => {
@@ -65,7 +74,7 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
                             walk.ray.direction,
                             distance,
                         );
-                        share(settings.heuristic, walk.pdf(), density, true)
+                        share(settings.heuristic, walked, density, true)
                     }
                     None => 1.0,
                 };
@@ -76,28 +85,32 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
             break;
         }
         // s = 1.
-        if vertex.surface.has_smooth() {
+        if vertex.has_smooth::<K>(scene) {
             let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
             let more = sampler.two(Purpose::Emission);
             if let Some(light) =
-                emitter::incident::<S>(scene, vertex.point.position, choice, xi, more)
-                && let Some(joint) = vertex.join(light.direction, Mode::Radiance)
+                emitter::incident::<K::S>(scene, vertex.point.position, choice, xi, more)
+                // What glows is met on the way.
+                && light.medium == NONE
+                && let Some(joint) = vertex.join::<K>(scene, light.direction, Mode::Radiance)
             {
-                let free = trace.sees(&vertex.point, light.direction, light.end);
-                if free > 0.0 {
+                let sight = trace.sees(&vertex, light.direction, light.end, sampler);
+                if !sight.value.is_black() {
                     let weight = if light.dirac {
                         1.0
                     } else {
-                        share(settings.heuristic, light.pdf, joint.pdf, false)
+                        let walked = joint.pdf * sight.expected;
+                        share(settings.heuristic, light.pdf, walked, false)
                     };
                     radiance += walk.throughput
                         * joint.value
                         * light.radiance
-                        * (weight * free / light.pdf);
+                        * joined::<K>(trace.lead, walk.ratio, K::S::WHITE, sight.value)
+                        * (weight / light.pdf);
                 }
             }
         }
-        if walk.leave(&vertex, sampler).is_none() {
+        if walk.leave(trace, &vertex, sampler).is_none() {
             break;
         }
         from = (!walk.dirac()).then_some(vertex.point.position);
