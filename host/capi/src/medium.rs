@@ -61,11 +61,11 @@ pub struct EtdMedium {
     pub struct_size: u32,
     /// `ETD_TRACK_…`, of a medium with grids.
     pub tracking: u32,
-    /// Extinction, 1 over world units, ≥ 0; times `extinction` if that is a grid.
+    /// Extinction, 1 over world units, 0 or 1e-12 to 1e12; times `extinction` if that is a grid.
     pub sigma_t: [f32; 3],
     /// Scattering as a part of extinction, 0 to 1; times `albedos` if that is a grid.
     pub albedo: [f32; 3],
-    /// What it emits, W/(m³ sr), times `emissions` if that is a grid; 0 where it doesn't absorb.
+    /// What it emits, W/(m³ sr), 0 to 1e20, times `emissions` if that is a grid; 0 where it doesn't absorb.
     pub emission: [f32; 3],
     /// The phase function: its parts.
     pub phase: [EtdLobe; 4],
@@ -178,10 +178,11 @@ pub unsafe extern "C" fn etd_builder_set_exterior(
 
 fn described(m: &EtdMedium, name: String) -> Result<Medium, Trouble> {
     let within = |values: &[f32], most: f32| values.iter().all(|x| (0.0..=most).contains(x));
-    let ranges = within(&m.sigma_t, 1e12) && within(&m.albedo, 1.0) && within(&m.emission, 1e30);
+    let thin = |s: &f32| *s == 0.0 || (1e-12..=1e12).contains(s);
+    let ranges = m.sigma_t.iter().all(thin) && within(&m.albedo, 1.0) && within(&m.emission, 1e20);
     if !ranges || m.reserved != 0 {
         return Err(bad(
-            "medium: sigma_t must be 0 to 1e12, albedo 0 to 1, emission 0 to 1e30, reserved 0",
+            "medium: sigma_t must be 0 or 1e-12 to 1e12, albedo 0 to 1, emission 0 to 1e20, reserved 0",
         ));
     }
     let tracking = match m.tracking {

@@ -12,7 +12,7 @@ use etendue_host::description::{
 };
 
 /// What may be wrong with a scene whose numbers all are in their ranges.
-const REASONS: [&str; 13] = [
+const REASONS: [&str; 14] = [
     "a light needs an area",
     "a background already",
     // Media.
@@ -22,7 +22,8 @@ const REASONS: [&str; 13] = [
     "doesn't absorb",
     "the size and filter",
     "asks for extinction of one channel",
-    "sigma_t must be in",
+    "sigma_t must be",
+    "emission must be in",
     "albedo must be in",
     "the transform of its grids",
     "from a volume of at least",
