@@ -2,6 +2,7 @@
 
 mod grids;
 pub(super) mod lines;
+mod objects;
 pub(super) mod space;
 
 use super::bvh::Bounds;

@@ -5,14 +5,15 @@
 //! opaque comes: behind it anything may be.
 
 use super::lines::{Crossing, Line, Tree};
+use super::objects::{along, blocks, each_point, is_open, sides};
 use crate::compile::CompileError;
-use crate::description::{ColorSource, Description, EmitterKind, Geometry, Model, Shape};
+use crate::description::{Description, EmitterKind, Geometry, Shape};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
 
 /// A medium, or vacuum.
-type Matter = Option<usize>;
+pub type Matter = Option<usize>;
 
 /// Lines through a point of which the medium is asked.
 const LINES_PER_POINT: u32 = 24;
@@ -99,22 +100,6 @@ struct Space<'a> {
     tolerance: f64,
     random: u64,
     warnings: Vec<String>,
-}
-
-/// What a shape says of the media on its two sides, interior and exterior: nothing, if it doesn't part any.
-fn sides(s: &Shape) -> Option<[Matter; 2]> {
-    (s.interior.is_some() || s.exterior.is_some()).then_some([s.interior, s.exterior])
-}
-
-/// Media before and behind a crossing.
-fn along(s: &Shape, front: bool) -> Option<[Matter; 2]> {
-    sides(s).map(|[interior, exterior]| {
-        if front {
-            [exterior, interior]
-        } else {
-            [interior, exterior]
-        }
-    })
 }
 
 /// A contradiction: what is behind one object, and what the next says.
@@ -353,7 +338,7 @@ impl Space<'_> {
             }
             if let Some([_, behind]) = parts {
                 state = Some((behind, Some(id)));
-            } else if self.blocks(shape, here.front) {
+            } else if blocks(self.d, shape, here.front) {
                 state = None;
             }
         }
@@ -368,15 +353,6 @@ impl Space<'_> {
             });
         }
         clashes
-    }
-
-    /// Whether no light that comes from the side of the normal, or from the other, gets through.
-    fn blocks(&self, shape: &Shape, front: bool) -> bool {
-        let material = if front { shape.front } else { shape.back };
-        let model = material
-            .and_then(|m| self.d.materials.get(m))
-            .map(|m| &m.model);
-        shape.opacity.is_none() && !model.is_some_and(lets_through)
     }
 
     /// The medium at a point, of which `given` is said.
@@ -403,7 +379,7 @@ impl Space<'_> {
                     answer = Some((facing, Some(c.shape as usize)));
                     break;
                 }
-                blocked |= self.blocks(shape, c.front);
+                blocked |= blocks(self.d, shape, c.front);
             }
             match (blocked, answer) {
                 (false, answer) => clear.push(answer.unwrap_or((exterior, None))),
@@ -481,55 +457,4 @@ fn most(answers: impl Iterator<Item = Matter>) -> Option<Matter> {
     }
     let top = counts.iter().map(|c| c.1).max()?;
     counts.iter().find(|c| c.1 == top).map(|c| c.0)
-}
-
-fn each_point(geometry: &Geometry, mut each: impl FnMut(DVec3)) {
-    match geometry {
-        Geometry::Mesh(mesh) => {
-            for p in &mesh.positions {
-                each(DVec3::from(p.map(f64::from)));
-            }
-        }
-        Geometry::Sphere { center, radius, .. } => {
-            let center = DVec3::from(center.map(f64::from));
-            each(center - f64::from(*radius));
-            each(center + f64::from(*radius));
-        }
-    }
-}
-
-/// Whether some edge of a mesh has a triangle on one side only; vertices at the same place are the same.
-fn is_open(geometry: &Geometry) -> bool {
-    let Geometry::Mesh(mesh) = geometry else {
-        return false;
-    };
-    let mut edges: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
-    for t in &mesh.triangles {
-        // −0 and 0 are the same place.
-        let corner = |v: u32| {
-            mesh.positions
-                .get(v as usize)
-                .map(|p| p.map(|x| (x + 0.0).to_bits()))
-        };
-        let [Some(a), Some(b), Some(c)] = t.map(corner) else {
-            continue;
-        };
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            if from < to {
-                *edges.entry([from, to]).or_default() += 1;
-            } else if to < from {
-                *edges.entry([to, from]).or_default() -= 1;
-            }
-        }
-    }
-    edges.values().any(|&n| n != 0)
-}
-
-/// Whether light that meets the model may come out on the other side.
-fn lets_through(model: &Model) -> bool {
-    match model {
-        Model::Diffuse { transmittance, .. } => *transmittance != ColorSource::Constant([0.0; 3]),
-        Model::Mirror { .. } | Model::Conductor { .. } => false,
-        Model::Dielectric { .. } | Model::Null | Model::Sheet { .. } => true,
-    }
 }
