@@ -570,10 +570,8 @@ fn media() {
     let scene = etendue::Scene::open(blob.bytes()).unwrap();
     assert_eq!(scene.sensor().medium, 1, "the camera stands in the ball");
     // SAFETY: a good builder.
-    assert_eq!(
-        unsafe { etd_builder_set_media(builder.0, 2, 1, ETD_NONE) },
-        ETD_OK
-    );
+    let status = unsafe { etd_builder_set_media(builder.0, 2, 1, ETD_NONE) };
+    assert_eq!(status, ETD_OK);
     let mut blob: EtdBlob = sized();
     // SAFETY: good pointers.
     let status = unsafe { etd_builder_build(builder.0, &raw mut blob, std::ptr::null_mut()) };
