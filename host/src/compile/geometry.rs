@@ -1,6 +1,6 @@
 //! All geometry in flat lists, and what can be said of it at once.
 
-use crate::description::Mesh;
+use crate::description::{Geometry, Mesh};
 use etendue::blob::format::{Shape, Sphere, Triangle};
 
 /// Coordinates beyond this are refused, as the kernel does.
@@ -115,6 +115,19 @@ impl Flat {
 fn unit(n: [f32; 3]) -> [f32; 3] {
     let v = glam::DVec3::from(n.map(f64::from)).normalize_or(glam::DVec3::Z);
     [v.x as f32, v.y as f32, v.z as f32]
+}
+
+/// Half the diagonal of an object's bounding box.
+pub(super) fn size(g: &Geometry) -> f64 {
+    match g {
+        Geometry::Sphere { radius, .. } => f64::from(*radius),
+        Geometry::Mesh(mesh) => {
+            let corners = mesh.positions.iter().map(|p| glam::Vec3::from(*p));
+            let low = corners.clone().fold(glam::Vec3::INFINITY, glam::Vec3::min);
+            let high = corners.fold(glam::Vec3::NEG_INFINITY, glam::Vec3::max);
+            0.5 * f64::from((high - low).length())
+        }
+    }
 }
 
 pub(super) fn triangle_area(t: &[[f32; 3]; 3]) -> f64 {

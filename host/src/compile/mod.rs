@@ -17,7 +17,7 @@ use etendue::blob::format::{
     Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, emitter, material, needs,
     section,
 };
-use geometry::{Flat, sphere_area, triangle_area};
+use geometry::{Flat, size, sphere_area, triangle_area};
 use media::space::{self, Found};
 use media::{Media, lines};
 use std::path::Path;
@@ -25,6 +25,9 @@ use surfaces::Surfaces;
 
 /// The least area of a light: the density of a point on it, 1 over it at most, still fits single precision.
 const LEAST_AREA: f64 = 1e-37;
+
+/// A light is small if it is of less than this part of the scene's size.
+const SMALL: f64 = 0.05;
 
 /// A compiled scene.
 #[derive(Clone, Debug)]
@@ -246,7 +249,15 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
         .filter(used)
         .any(|m| surfaces.materials[m as usize].kind == material::NULL);
     let mut bits = surfaces.needs & !needs::NULL | if null { needs::NULL } else { 0 } | media.needs;
+    let small = |s: &crate::description::Shape| {
+        s.emission.is_some() && size(&s.geometry) < SMALL * f64::from(radius)
+    };
+    let small = d.shapes.iter().any(small) || !d.emitters.iter().all(|e| is_distant(&e.kind));
     for (holds, bit) in [
+        (
+            small && media.needs & needs::MEDIA != 0,
+            needs::SMALL_LIGHTS,
+        ),
         (!spheres.is_empty(), needs::SPHERES),
         (!geometry.normals.is_empty(), needs::SMOOTH_NORMALS),
         (

@@ -5,9 +5,11 @@
 
 #[cfg(feature = "bidirectional")]
 mod bidirectional;
+mod equiangular;
 #[cfg(feature = "light")]
 mod light;
 mod path;
+mod share;
 
 use crate::blob::Scene;
 use crate::blob::format::NONE;
