@@ -2,7 +2,8 @@
 
 use super::rules::{Checked, MAX_COORDINATE, coordinates, ensure, optional, span, within, zeros};
 use crate::blob::format::{
-    LANES, MAX_DEPTH, NONE, Node, Packet, Shape, Sphere, Triangle, WIDTH, World, child, emitter,
+    Emitter, LANES, MAX_DEPTH, NONE, Node, Packet, Shape, Sphere, Triangle, WIDTH, World, child,
+    emitter, medium,
 };
 use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
@@ -25,7 +26,14 @@ pub(super) fn world(scene: &Scene<'_>) -> Checked {
         let distant = [emitter::CONSTANT, emitter::LATLONG, emitter::CUBEMAP];
         ensure(distant.contains(&e.kind), Rule::WorldBackgroundKind)?;
     }
-    ensure(w.exterior == NONE, Rule::WorldExterior)?;
+    optional(w.exterior, scene.media.len(), Rule::WorldExterior)?;
+    if let Some(m) = scene.medium(w.exterior) {
+        // A grid ends somewhere, and behind it the sky is clear.
+        let dims = m.kind != medium::GRID && m.sigma_t.iter().any(|&sigma| sigma != 0.0);
+        let distant = |e: &Emitter| (emitter::DIRECTIONAL..=emitter::CUBEMAP).contains(&e.kind);
+        let none = !scene.emitters.iter().any(distant);
+        ensure(none || !dims, Rule::WorldExteriorDistant)?;
+    }
     zeros(&w.reserved, Rule::WorldReserved)
 }
 
@@ -99,8 +107,8 @@ pub(super) fn sphere(scene: &Scene<'_>, s: &Sphere) -> Checked {
 pub(super) fn shape(scene: &Scene<'_>, index: usize, s: &Shape) -> Checked {
     optional(s.front, scene.materials.len(), Rule::ShapeFront)?;
     optional(s.back, scene.materials.len(), Rule::ShapeBack)?;
-    let vacuum = s.interior == NONE && s.exterior == NONE;
-    ensure(vacuum, Rule::ShapeMedium)?;
+    optional(s.interior, scene.media.len(), Rule::ShapeMedium)?;
+    optional(s.exterior, scene.media.len(), Rule::ShapeMedium)?;
     optional(s.opacity, scene.textures.len(), Rule::ShapeOpacity)?;
     optional(s.emitter, scene.emitters.len(), Rule::ShapeEmitter)?;
     if let Some(e) = scene.emitter(s.emitter) {

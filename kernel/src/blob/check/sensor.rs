@@ -1,10 +1,13 @@
 //! The sensor.
 
-use super::rules::{Checked, MAX_COORDINATE, coordinates, ensure, finite, unit, within, zeros};
-use crate::blob::format::{NONE, Sensor, sensor};
+use super::rules::{
+    Checked, MAX_COORDINATE, coordinates, ensure, finite, optional, unit, within, zeros,
+};
+use crate::blob::format::{Sensor, sensor};
 use crate::blob::rule::Rule;
+use crate::blob::scene::Scene;
 
-pub(super) fn sensor(s: &Sensor) -> Checked {
+pub(super) fn sensor(scene: &Scene<'_>, s: &Sensor) -> Checked {
     ensure(s.kind <= sensor::ORTHOGRAPHIC, Rule::SensorKind)?;
     ensure(s.filter <= sensor::GAUSSIAN, Rule::SensorFilter)?;
     within(&[s.filter_radius], 1e-3, 8.0, Rule::SensorFilterRadius)?;
@@ -28,6 +31,6 @@ pub(super) fn sensor(s: &Sensor) -> Checked {
     unit(&s.right, Rule::SensorRight)?;
     unit(&s.down, Rule::SensorDown)?;
     unit(&s.forward, Rule::SensorForward)?;
-    ensure(s.medium == NONE, Rule::SensorMedium)?;
+    optional(s.medium, scene.media.len(), Rule::SensorMedium)?;
     zeros(&s.reserved, Rule::SensorReserved)
 }
