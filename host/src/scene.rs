@@ -1,7 +1,7 @@
 //! A scene from whatever file it is in: a Mitsuba 3 scene, or a compiled blob.
 
 use crate::blob::AlignedBlob;
-use crate::compile::{Compiled, compile};
+use crate::compile::compile;
 use crate::description::{Advice, Description};
 use crate::load;
 use std::path::Path;
@@ -56,11 +56,13 @@ pub fn prepare(path: &Path, defines: &[(String, String)], size: Size) -> Result<
     let loaded = load::load(path, defines).map_err(|e| e.to_string())?;
     let mut description = loaded.description;
     resize(&mut description, size)?;
-    let Compiled { blob, .. } = compile(&description).map_err(|e| e.in_file(path).to_string())?;
+    let compiled = compile(&description).map_err(|e| e.in_file(path).to_string())?;
+    let mut warnings = loaded.warnings;
+    warnings.extend(compiled.warnings);
     Ok(Prepared {
-        blob,
+        blob: compiled.blob,
         advice: description.advice,
-        warnings: loaded.warnings,
+        warnings,
     })
 }
 

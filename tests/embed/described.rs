@@ -4,13 +4,15 @@ use crate::misuse::{Builder, made, sized, triangle};
 use etendue::capi::status::{ETD_E_ARGUMENT, ETD_OK};
 use etendue_host::compile::compile;
 use etendue_host::description::{
-    Color, ColorSource, Description, Emitter, EmitterKind, Filter, Geometry, Image, Material, Mesh,
-    Model, Pattern, Place, Projection, Sensor, Shape, Texels, Texture, Wrap,
+    Color, ColorSource, Description, Emitter, EmitterKind, Filter, Geometry, Grid, GridValues,
+    Grids, Image, Lobe, Material, Medium, Mesh, Model, Pattern, Phase, Place, Projection, Sensor,
+    Shape, Texels, Texture, Tracking, Wrap,
 };
 use etendue_host_capi::blob::{EtdBlob, etd_blob_free};
 use etendue_host_capi::builder::*;
 use etendue_host_capi::camera::*;
 use etendue_host_capi::light::*;
+use etendue_host_capi::medium::*;
 use etendue_host_capi::object::*;
 use etendue_host_capi::surface::*;
 use std::ptr::null;
@@ -465,4 +467,118 @@ fn transforms() {
         assert!(bytes == whole && built.refitted == 1);
         assert_eq!(etd_blob_free(&raw mut moved), ETD_OK);
     }
+}
+
+#[test]
+fn media() {
+    static NUMBERS: [f32; 12] = [0.5; 12];
+    let builder = Builder::small(null());
+    let mut d = described();
+    // A box of fog, and a ball in it.
+    for (radius, id) in [(9.0, 1), (0.5, 2)] {
+        let mut s = made(etd_sphere_default);
+        s.radius = radius;
+        let mut new = 0;
+        // SAFETY: good pointers.
+        let status = unsafe { etd_builder_add_sphere(builder.0, &s, &raw mut new) };
+        assert_eq!((status, new), (ETD_OK, id));
+        d.shapes.push(shape(Geometry::Sphere {
+            center: [0.0; 3],
+            radius,
+            flipped: false,
+        }));
+    }
+    let mut m = made(etd_medium_default);
+    (m.sigma_t, m.albedo) = ([1.0, 2.0, 3.0], [0.25, 0.5, 0.75]);
+    m.phase[0].weight = 0.0;
+    m.phase[2] = EtdLobe {
+        kind: ETD_PHASE_HG,
+        g: -0.5,
+        weight: 2.0,
+    };
+    m.phase[3] = EtdLobe {
+        kind: ETD_PHASE_RAYLEIGH,
+        weight: 6.0,
+        ..m.phase[2]
+    };
+    let mut add = |m: &EtdMedium, medium: Medium| {
+        let mut id = 99;
+        // SAFETY: good pointers.
+        let status = unsafe { etd_builder_add_medium(builder.0, m, &raw mut id) };
+        assert_eq!((status, id as usize), (ETD_OK, d.media.len()));
+        d.media.push(medium);
+    };
+    let lobe = |phase, weight| Lobe { phase, weight };
+    let fog = Medium {
+        sigma_t: m.sigma_t,
+        albedo: m.albedo,
+        phase: vec![
+            lobe(Phase::HenyeyGreenstein { g: -0.5 }, 2.0),
+            lobe(Phase::Rayleigh, 6.0),
+        ],
+        ..Medium::default()
+    };
+    add(&m, fog.clone());
+    m.tracking = ETD_TRACK_REGULAR;
+    m.emission = [4.0, 5.0, 6.0];
+    m.to_grid = [
+        [0.5, 0.0, 0.0, 0.5],
+        [0.0, 0.5, 0.0, 0.5],
+        [0.0, 0.0, 0.5, 0.5],
+    ];
+    let grid = |size, channels, nearest| EtdGrid {
+        size,
+        channels,
+        nearest,
+        reserved: 0,
+        values: NUMBERS.as_ptr(),
+        floats: 12,
+    };
+    (m.extinction, m.albedos) = (grid([1, 3, 4], 1, 1), grid([2, 1, 2], 3, 0));
+    let gray = |size, nearest| Grid {
+        size,
+        values: GridValues::Gray(NUMBERS.to_vec()),
+        nearest,
+    };
+    m.emissions = grid([1, 3, 4], 1, 1);
+    let smoke = Medium {
+        emission: m.emission,
+        grids: Some(Grids {
+            extinction: gray([1, 3, 4], true),
+            albedo: Some(Grid {
+                size: [2, 1, 2],
+                values: GridValues::Rgb(vec![[0.5; 3]; 4]),
+                nearest: false,
+            }),
+            emission: Some(gray([1, 3, 4], true)),
+            to_grid: m.to_grid,
+            tracking: Tracking::Regular,
+        }),
+        ..fog
+    };
+    add(&m, smoke);
+    same(&builder, &d);
+    for (object, [interior, exterior]) in [(1, [0, ETD_NONE]), (2, [1, 0])] {
+        // SAFETY: a good builder.
+        let status = unsafe { etd_builder_set_media(builder.0, object, interior, exterior) };
+        assert_eq!(status, ETD_OK);
+    }
+    d.shapes[1].interior = Some(0);
+    (d.shapes[2].interior, d.shapes[2].exterior) = (Some(1), Some(0));
+    same(&builder, &d);
+    let blob = compile(&d).unwrap().blob;
+    let scene = etendue::Scene::open(blob.bytes()).unwrap();
+    assert_eq!(scene.sensor().medium, 1, "the camera stands in the ball");
+    // SAFETY: a good builder.
+    let status = unsafe { etd_builder_set_media(builder.0, 2, 1, ETD_NONE) };
+    assert_eq!(status, ETD_OK);
+    let mut blob: EtdBlob = sized();
+    // SAFETY: good pointers.
+    let status = unsafe { etd_builder_build(builder.0, &raw mut blob, std::ptr::null_mut()) };
+    assert_eq!(status, etendue::capi::status::ETD_E_SCENE);
+    assert!(
+        builder.message().contains("overlaps with"),
+        "{}",
+        builder.message()
+    );
 }

@@ -32,7 +32,8 @@ fn the_kernels_header_is_that_of_the_sources() {
 fn the_hosts_header_is_that_of_the_sources() {
     let host = root().join("host");
     let files = [
-        "hooks", "blob", "builder", "camera", "surface", "object", "light", "load", "render",
+        "hooks", "blob", "builder", "camera", "surface", "object", "medium", "light", "load",
+        "render",
     ]
     .map(|name| host.join(format!("capi/src/{name}.rs")));
     let made = header(&host.join("capi/cbindgen.toml"), &files);

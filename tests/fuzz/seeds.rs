@@ -79,6 +79,7 @@ const OBJ: u8 = 0;
 const OBJ_FLIPPED: u8 = 4;
 const PLY: u8 = 1;
 const SERIALIZED: u8 = 2;
+const VOLUME: u8 = 15;
 
 fn meshes() -> Seeds {
     let mut seeds = Seeds::new();
@@ -155,7 +156,39 @@ fn meshes() -> Seeds {
           property list uint8 uint32 vertex_index\nend_header\n0 0 0 0 0 1 0 0\n1 0 0 0 0 1 1 0\n0 1 0 0 0 1 0 1\n7 3 0 1 2\n",
     );
     serialized(&mut add);
+    volumes(&mut add);
     seeds
+}
+
+fn volumes(add: &mut impl FnMut(&str, u8, &[u8])) {
+    let file = |words: [u32; 5], data: &[f32]| {
+        let mut bytes = b"VOL\x03".to_vec();
+        bytes.extend(words.iter().flat_map(|w| w.to_le_bytes()));
+        let numbers = [0.0f32, 0.0, 0.0, 1.0, 1.0, 1.0].iter().chain(data);
+        bytes.extend(numbers.flat_map(|x| x.to_le_bytes()));
+        bytes
+    };
+    let data: Vec<f32> = (0u8..24).map(|i| f32::from(i) * 0.125).collect();
+    let gray = file([1, 2, 3, 4, 1], &data);
+    add("volume_gray", VOLUME, &gray);
+    add("volume_gray_residual", VOLUME | 16, &gray);
+    add(
+        "volume_rgb_woodcock",
+        VOLUME | 32,
+        &file([1, 2, 2, 2, 3], &data),
+    );
+    add("volume_cut", VOLUME, &gray[..gray.len() - 3]);
+    add(
+        "volume_not_a_number",
+        VOLUME,
+        &file([1, 1, 1, 2, 1], &[0.5, f32::NAN]),
+    );
+    add(
+        "volume_huge",
+        VOLUME,
+        &file([1, u32::MAX, u32::MAX, u32::MAX, 3], &data),
+    );
+    add("volume_nothing", VOLUME, b"VOL\x03");
 }
 
 fn serialized(add: &mut impl FnMut(&str, u8, &[u8])) {
@@ -232,6 +265,18 @@ fn xmls() -> Seeds {
         (
             "lights",
             r#"<emitter type="point"><point name="position" x="1" y="0" z="0"/><rgb name="intensity" value="1"/></emitter><emitter type="spot"><float name="cutoff_angle" value="30"/><rgb name="intensity" value="2"/></emitter><emitter type="directional"><vector name="direction" x="0" y="0" z="-1"/><rgb name="irradiance" value="1"/></emitter><shape type="cube"><bsdf type="mask"><float name="opacity" value="0.5"/><bsdf type="sheet"/></bsdf></shape>"#,
+        ),
+        (
+            "fog",
+            r#"<medium type="homogeneous" id="fog"><rgb name="sigma_t" value="0.1, 0.5, 1"/><float name="albedo" value="0.9"/><rgb name="emission" value="0.5"/><phase type="blendphase"><float name="weight" value="0.25"/><phase type="hg"><float name="g" value="0.6"/></phase><phase type="rayleigh"/></phase></medium><shape type="cube"><transform name="to_world"><scale value="6"/></transform><bsdf type="null"/><ref name="interior" id="fog"/></shape><shape type="sphere"><bsdf type="dielectric"/><ref name="exterior" id="fog"/></shape><emitter type="point"><ref name="medium" id="fog"/></emitter>"#,
+        ),
+        (
+            "smoke",
+            r#"<shape type="cube"><bsdf type="null"/><medium name="interior" type="heterogeneous"><volume name="sigma_t" type="gridvolume"><string name="filename" value="v.vol"/><transform name="to_world"><scale value="2"/><translate x="-1" y="-1" z="-1"/></transform></volume><volume name="albedo" type="constvolume"><rgb name="value" value="0.5"/></volume><float name="scale" value="3"/><rgb name="emission" value="1"/></medium></shape>"#,
+        ),
+        (
+            "media_that_overlap",
+            r#"<medium type="homogeneous" id="a"/><medium type="homogeneous" id="b"><phase type="forward"/></medium><shape type="sphere"><bsdf type="null"/><ref name="interior" id="a"/></shape><shape type="sphere"><point name="center" x="1" y="0" z="0"/><bsdf type="null"/><ref name="interior" id="b"/></shape>"#,
         ),
     ] {
         add(name, around(&format!("{sensor}{shape}{lamp}")));

@@ -361,7 +361,7 @@ fn emitters() -> Vec<Break> {
         e(Rule::EmitterRadiance, AREA, |e| e.radiance[1] = 1.1e30),
         e(Rule::EmitterDensity, ROUND, |e| e.density = f32::INFINITY),
         e(Rule::EmitterPosition, POINT, |e| e.position[0] = 1.1e12),
-        e(Rule::EmitterReserved, SKY, |e| e.reserved[4] = 1),
+        e(Rule::EmitterReserved, SKY, |e| e.reserved[3] = 1),
         // Lights that no shape has.
         e(Rule::AreaShape, POINT, |e| {
             (e.kind, e.shape) = (emitter::AREA, NONE)

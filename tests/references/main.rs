@@ -196,6 +196,39 @@ fn smallvcm_large_glass() {
     own("scene6_large_glass", 2.5e-3, 2, false);
 }
 
+/// Homogeneous media: a null cube around a room seen from outside; camera and lamp inside; the lamp outside; a sun through the boundary.
+#[test]
+fn fog_cornell() {
+    own("fog_cornell", 0.0, 4, true);
+}
+
+#[test]
+fn fog_point() {
+    own("fog_point", 0.0, 4, false);
+}
+
+#[test]
+fn fog_spot() {
+    own("fog_spot", 0.0, 4, false);
+}
+
+#[test]
+fn fog_directional() {
+    own("fog_directional", 0.0, 4, true);
+}
+
+/// A grid.
+#[test]
+fn smoke() {
+    own("smoke", 0.0, 4, true);
+}
+
+/// A medium behind a smooth dielectric.
+#[test]
+fn sss_smooth() {
+    own("sss_smooth", 0.0, 4, true);
+}
+
 /// Other people's scenes, read where they are.
 #[test]
 fn scenes_of_a_folder() {

@@ -3,6 +3,7 @@
 pub mod bits;
 pub mod fresnel;
 pub mod fuzz;
+pub mod media;
 pub mod oracles;
 pub mod place;
 pub mod render;

@@ -5,7 +5,7 @@ use crate::blob::EtdBlob;
 use crate::boundary::{Trouble, guarded, write_text};
 use crate::control::Control;
 use crate::described::{Described, Object};
-use crate::hooks::{ETD_LOG_ERROR, ETD_LOG_INFO, EtdHost};
+use crate::hooks::{ETD_LOG_ERROR, ETD_LOG_INFO, ETD_LOG_WARNING, EtdHost};
 use etendue::capi::status::{
     ETD_ABI_VERSION, ETD_E_ABI, ETD_E_ARGUMENT, ETD_E_HANDLE, ETD_E_MISALIGNED, ETD_E_NULL,
     ETD_E_SCENE, ETD_E_UNSUPPORTED, EtdStatus,
@@ -26,11 +26,6 @@ pub struct EtdBuilder {
     /// The shape of the last tree.
     tree: Option<Tree>,
     message: String,
-}
-
-/// Media are reserved: no library makes or takes one yet.
-pub struct EtdMedium {
-    _never: u8,
 }
 
 const MAGIC: u64 = 0x6c69_7542_5364_7445; // "EtdSBuil"
@@ -116,7 +111,11 @@ impl EtdBuilder {
             quality,
             tree,
             refitted,
+            warnings,
         } = compiled;
+        for text in &warnings {
+            self.host.log(ETD_LOG_WARNING, text);
+        }
         blob.fill(made.bytes(), &self.host)?;
         let built = EtdBuilt {
             struct_size: size_of::<EtdBuilt>() as u32,
@@ -247,17 +246,6 @@ pub unsafe extern "C" fn etd_builder_add_instance(
     id: *mut u32,
 ) -> EtdStatus {
     let _ = (object, matrix, id);
-    edit(builder, |_| Err(ETD_E_UNSUPPORTED.into()))
-}
-
-/// Reserved: a participating medium. `ETD_E_UNSUPPORTED`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn etd_builder_add_medium(
-    builder: *mut EtdBuilder,
-    medium: *const EtdMedium,
-    id: *mut u32,
-) -> EtdStatus {
-    let _ = (medium, id);
     edit(builder, |_| Err(ETD_E_UNSUPPORTED.into()))
 }
 

@@ -24,6 +24,7 @@ mod described;
 pub mod hooks;
 pub mod light;
 pub mod load;
+pub mod medium;
 pub mod object;
 pub mod render;
 pub mod surface;
@@ -42,6 +43,7 @@ const _: () = {
                 && size_of::<object::EtdMesh>() == 40 + 4 * pointer
                 && size_of::<object::EtdSphere>() == 48
                 && size_of::<light::EtdLight>() == 104 + 2 * pointer
+                && size_of::<medium::EtdMedium>() == 144 + 3 * (24 + 2 * pointer)
                 && size_of::<load::EtdAdvice>() == 12
                 && size_of::<render::EtdRender>() == 24 + 3 * pointer
                 && size_of::<render::EtdRendered>() == 72

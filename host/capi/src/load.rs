@@ -141,6 +141,9 @@ fn read(
     let compiled = host
         .work(|| compile(&loaded.description))?
         .map_err(|e| Trouble::new(ETD_E_SCENE, e.in_file(path).to_string()))?;
+    for warning in &compiled.warnings {
+        host.log(ETD_LOG_WARNING, warning);
+    }
     blob.fill(compiled.blob.bytes(), host)?;
     Ok(loaded.description.advice)
 }

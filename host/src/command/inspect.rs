@@ -4,7 +4,7 @@ use super::{Failure, define, print, warn};
 use crate::scene::{Size, prepare};
 use etendue::Scene;
 use etendue::blob::format::{
-    Header, NONE, Toc, WIDTH, child, emitter, material, needs, section, sensor,
+    Header, NONE, Toc, WIDTH, child, emitter, material, medium, needs, section, sensor,
 };
 use std::fmt::{self, Write};
 use std::path::PathBuf;
@@ -113,14 +113,98 @@ fn contents(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
         "constant",
         "lat-long",
         "cube map",
+        "volume",
     ];
-    debug_assert_eq!(names.len() as u32, emitter::CUBEMAP + 1);
+    debug_assert_eq!(names.len() as u32, emitter::VOLUME + 1);
     writeln!(
         out,
         "emitters    {} ({} ways to choose)",
         count_kinds(scene.emitters(), &names, |e| e.kind),
         scene.choices().len()
     )?;
+    media(out, scene)
+}
+
+/// Media one by one, as they may be large.
+fn media(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
+    let names = ["homogeneous", "grid"];
+    let kinds = count_kinds(scene.media(), &names, |m| m.kind);
+    writeln!(out, "media       {kinds}")?;
+    let place = |m: u32| {
+        if m == NONE {
+            "vacuum".into()
+        } else {
+            format!("medium {m}")
+        }
+    };
+    if !scene.media().is_empty() {
+        let (exterior, sensor) = (scene.world().exterior, scene.sensor().medium);
+        writeln!(
+            out,
+            "  outside all objects is {}, the sensor is in {}",
+            place(exterior),
+            place(sensor)
+        )?;
+    }
+    for (i, m) in scene.media().iter().enumerate() {
+        let same = |c: [f32; 3]| match c {
+            [r, g, b] if r == g && g == b => format!("{r}"),
+            [r, g, b] => format!("{r} {g} {b}"),
+        };
+        write!(
+            out,
+            "  {i}: sigma_t {}, albedo {}",
+            same(m.sigma_t),
+            same(m.albedo)
+        )?;
+        if m.emission != [0.0; 3] {
+            write!(out, ", emission {}", same(m.emission))?;
+        }
+        for l in m.phase.iter().filter(|l| l.weight > 0.0) {
+            let name = match l.kind {
+                medium::HENYEY_GREENSTEIN => format!("hg {}", l.g),
+                medium::RAYLEIGH => "rayleigh".into(),
+                medium::FORWARD => "forward".into(),
+                _ => "isotropic".into(),
+            };
+            write!(out, ", {:.0} % {name}", 100.0 * l.weight)?;
+        }
+        writeln!(out)?;
+        for (what, id) in [
+            ("sigma_t", m.extinctions),
+            ("albedo", m.albedos),
+            ("emission", m.emissions),
+        ] {
+            let Some(g) = scene
+                .grids()
+                .get(id as usize)
+                .filter(|_| m.kind == medium::GRID)
+            else {
+                continue;
+            };
+            let [x, y, z] = g.size;
+            let bytes = 4 * u64::from(g.channels) * u64::from(x) * u64::from(y) * u64::from(z);
+            let filter = if g.nearest != 0 {
+                "nearest"
+            } else {
+                "trilinear"
+            };
+            writeln!(
+                out,
+                "     {what}: {x} × {y} × {z} texels of {} {filter}, {bytes} bytes",
+                g.channels
+            )?;
+        }
+        if m.kind == medium::GRID {
+            let [x, y, z] = m.cells;
+            let how = match m.flags {
+                medium::REGULAR => "regular tracking",
+                medium::RESIDUAL => "Woodcock and residual ratio tracking",
+                _ => "Woodcock and ratio tracking",
+            };
+            writeln!(out, "     {how}, majorants of {x} × {y} × {z} boxes")?;
+        }
+    }
     Ok(())
 }
 
@@ -141,6 +225,8 @@ fn sizes(out: &mut String, scene: &Scene<'_>, bytes: &[u8]) -> fmt::Result {
         "emitters",
         "choices",
         "cells",
+        "media",
+        "grids",
     ];
     writeln!(out, "\nsection         records       bytes")?;
     let from = size_of::<Header>();
@@ -230,9 +316,14 @@ fn tree(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
 
 fn left_out(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
     writeln!(out, "\nleft out, because the scene doesn't need it:")?;
-    writeln!(out, "  media: no free flight, no transmittance")?;
     writeln!(out, "  wavelengths: paths carry RGB")?;
     let lines = [
+        (needs::MEDIA, "media: no free flight, no transmittance"),
+        (
+            needs::GRIDS,
+            "grids: no tracking, media are the same everywhere",
+        ),
+        (needs::GLOWING, "emission of media: no light along the way"),
         (
             needs::MASKS | needs::NULL,
             "masks and null boundaries: shadow rays stop at the first thing they meet",
@@ -247,8 +338,11 @@ fn left_out(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
         (needs::DIRAC, "Dirac lobes: every vertex can be connected"),
         (needs::TRANSMISSION, "transmission: light stays on its side"),
     ];
+    let media = scene.has(needs::MEDIA);
     for (bits, line) in lines {
-        if !scene.has(bits) {
+        // What media may have goes without saying where there are none.
+        let implied = !media && [needs::GRIDS, needs::GLOWING].contains(&bits);
+        if !scene.has(bits) && !implied {
             writeln!(out, "  {line}")?;
         }
     }

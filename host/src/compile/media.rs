@@ -1,19 +1,25 @@
 //! Media: their records, grids with majorants, and the boxes from which those that emit are sampled as lights.
 
+mod grids;
+pub(super) mod lines;
+mod objects;
+pub(super) mod space;
+
 use super::bvh::Bounds;
 use crate::description::{Description, Geometry, Grid, Grids, Medium, Phase, Tracking};
 use bytemuck::Zeroable;
 use etendue::blob::format::{self, Lobe, NONE, medium, needs};
 use glam::{DMat3, DVec3};
+use grids::{absorbs, grid_mean, majorants};
 
-/// Coefficients beyond this are refused, as the kernel does.
-const MOST: f32 = 1e12;
+/// Extinctions are 0 or within this, as the kernel asks.
+const EXTINCTION: [f32; 2] = [1e-12, 1e12];
+/// Emission is at most this.
+const MOST_EMISSION: f32 = 1e20;
+/// Closer to 1 the asymmetry of a phase function can't be told from 1.
+const MOST_G: f32 = 0.999_999_9;
 /// Texels by axis.
 const MOST_TEXELS: u32 = 4096;
-/// Texels by axis that a majorant speaks for, as long as there are not too many majorants.
-const TEXELS_PER_CELL: u32 = 4;
-/// Majorants by axis.
-const MOST_CELLS: u32 = 64;
 
 /// Records of media, and what they make the scene need.
 #[derive(Default)]
@@ -73,7 +79,7 @@ impl Media {
         };
         let mut emitted = mean(m.emission);
         if let Some(grids) = &m.grids {
-            emitted *= self.grids(grids, &mut record, texels)?;
+            emitted *= self.grids(m, grids, &mut record, texels)?;
         }
         let emits = m.emission.iter().any(|&e| e > 0.0);
         let bounds = bounds(d, id);
@@ -90,9 +96,6 @@ impl Media {
         if !emits {
             return Ok(());
         }
-        if d.exterior == Some(id) {
-            return Err("emits and fills the space outside all objects, expected a medium that objects enclose".into());
-        }
         let Some(bounds) = bounds else { return Ok(()) };
         self.glowing
             .push(glowing(id, m, &record, &bounds, emitted)?);
@@ -102,6 +105,7 @@ impl Media {
     /// The grids of a medium; returns the mean over the unit cube of what emission is multiplied by.
     fn grids(
         &mut self,
+        m: &Medium,
         grids: &Grids,
         record: &mut format::Medium,
         texels: &mut Vec<u32>,
@@ -116,35 +120,39 @@ impl Media {
             return Err("residual tracking asks for extinction of one channel".into());
         }
         record.to_grid = grids.to_grid;
-        record.extinctions = self.grid(&grids.extinction, f32::MAX, "extinction", texels)?;
-        if let Some(albedo) = &grids.albedo {
-            let limit = 1.0
-                / record
-                    .albedo
-                    .iter()
-                    .fold(f32::MIN_POSITIVE, |m, &a| m.max(a));
-            record.albedos = self.grid(albedo, limit, "albedo", texels)?;
+        if !invertible(&grids.to_grid) {
+            return Err("the transform of its grids must be one that can be undone, and no rows of it beyond 1e12".into());
         }
+        record.extinctions = self.grid(&grids.extinction, EXTINCTION[1], "extinction", texels)?;
+        if let Some(albedo) = &grids.albedo {
+            record.albedos = self.grid(albedo, 1.0, "albedo", texels)?;
+        }
+        absorbs(m, grids)?;
         let mut emission = 1.0;
         if let Some(grid) = &grids.emission {
-            record.emissions = self.grid(grid, f32::MAX, "emission", texels)?;
+            let most = m.emission.iter().fold(f32::MIN_POSITIVE, |m, &e| m.max(e));
+            record.emissions = self.grid(grid, MOST_EMISSION / most, "emission", texels)?;
             emission = grid_mean(grid).iter().sum::<f64>() / 3.0;
         }
         // Weights may assume anything that isn't 0 where extinction isn't.
         let mean = grid_mean(&grids.extinction);
+        let [least, most] = EXTINCTION;
         for ((mean, of), sigma_t) in record.mean.iter_mut().zip(mean).zip(record.sigma_t) {
-            let least = (sigma_t * 1e-6).max(f32::MIN_POSITIVE);
-            *mean = if sigma_t > 0.0 {
-                ((f64::from(sigma_t) * of) as f32).max(least)
-            } else {
-                0.0
+            *mean = match sigma_t > 0.0 {
+                true => ((f64::from(sigma_t) * of) as f32)
+                    .max(sigma_t * 1e-6)
+                    .clamp(least, most),
+                false => 0.0,
             };
         }
         let majorants = majorants(&grids.extinction, record.sigma_t);
         record.cells = majorants.cells;
         record.majorants = texels.len() as u32;
-        if majorants.values.iter().any(|m| *m > MOST) {
-            return Err(format!("sigma_t must be in [0, {MOST:e}] everywhere"));
+        if majorants.values.iter().any(|m| *m > EXTINCTION[1]) {
+            return Err(format!(
+                "sigma_t must be at most {:e} everywhere",
+                EXTINCTION[1]
+            ));
         }
         texels.extend(majorants.values.iter().map(|m| m.to_bits()));
         Ok(emission)
@@ -173,12 +181,9 @@ impl Media {
             ));
         }
         if let Some(v) = values.iter().find(|v| !(0.0..=limit).contains(*v)) {
-            let limit = if limit < f32::MAX {
-                format!("in [0, {limit}]")
-            } else {
-                "finite and >= 0".into()
-            };
-            return Err(format!("{what} must be {limit}, found {v} in its grid"));
+            return Err(format!(
+                "{what} must be in [0, {limit}], found {v} in its grid"
+            ));
         }
         let first = u32::try_from(texels.len() + count);
         if first.is_err() {
@@ -196,12 +201,28 @@ impl Media {
     }
 }
 
+/// Whether rows of a transform are of usable lengths and no small part of a volume, as the kernel asks.
+fn invertible(rows: &[[f32; 4]; 3]) -> bool {
+    let [a, b, c] = rows.map(|[x, y, z, _]| DVec3::from([x, y, z].map(f64::from)));
+    let product = a.length_squared() * b.length_squared() * c.length_squared();
+    let volume = a.dot(b.cross(c));
+    let usable = |r: &DVec3| (1e-12..=1e12).contains(&r.length());
+    let offsets = rows.iter().all(|r| r[3].abs() <= 1e24);
+    offsets && [a, b, c].iter().all(usable) && volume * volume >= 1e-8 * product
+}
+
 /// Ranges, in the words of scene files.
 fn check(m: &Medium) -> Result<(), String> {
+    let [least, most] = EXTINCTION;
+    let thin = |s: &&f32| **s != 0.0 && !(least..=most).contains(*s);
+    if let Some(s) = m.sigma_t.iter().find(thin) {
+        return Err(format!(
+            "sigma_t must be 0 or in [{least:e}, {most:e}], found {s}"
+        ));
+    }
     let ranges = [
-        ("sigma_t", m.sigma_t, MOST),
         ("albedo", m.albedo, 1.0),
-        ("emission", m.emission, 1e30),
+        ("emission", m.emission, MOST_EMISSION),
     ];
     for (name, values, most) in ranges {
         if let Some(v) = values.iter().find(|v| !(0.0..=most).contains(*v)) {
@@ -210,7 +231,8 @@ fn check(m: &Medium) -> Result<(), String> {
     }
     for c in 0..3 {
         let absorbs = m.sigma_t[c] > 0.0 && m.albedo[c] < 1.0;
-        if m.emission[c] > 0.0 && !absorbs && (m.grids.is_none() || m.sigma_t[c] == 0.0) {
+        let varies = m.grids.as_ref().is_some_and(|g| g.albedo.is_some());
+        if m.emission[c] > 0.0 && !absorbs && (!varies || m.sigma_t[c] == 0.0) {
             return Err("emits where it doesn't absorb, expected sigma_t > 0 and albedo < 1 in each channel that emits".into());
         }
     }
@@ -236,7 +258,7 @@ fn phase(m: &Medium) -> Result<[Lobe; 4], String> {
     for (out, l) in lobes.iter_mut().zip(&m.phase) {
         let (kind, g) = match l.phase {
             Phase::Isotropic => (medium::ISOTROPIC, 0.0),
-            Phase::HenyeyGreenstein { g } if g > -1.0 && g < 1.0 => (medium::HENYEY_GREENSTEIN, g),
+            Phase::HenyeyGreenstein { g } if g.abs() <= MOST_G => (medium::HENYEY_GREENSTEIN, g),
             Phase::HenyeyGreenstein { g } => {
                 return Err(format!("g must be in (-1, 1), found {g}"));
             }
@@ -335,81 +357,6 @@ fn glowing(
 
 fn mean(c: [f32; 3]) -> f64 {
     c.iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0
-}
-
-/// Mean of a grid by channel.
-fn grid_mean(grid: &Grid) -> [f64; 3] {
-    let (values, channels) = grid.values.flat();
-    let mut sums = [0.0; 3];
-    for texel in values.chunks_exact(channels) {
-        for (c, sum) in sums.iter_mut().enumerate() {
-            *sum += f64::from(texel[c % channels]);
-        }
-    }
-    sums.map(|s| s * channels as f64 / values.len() as f64)
-}
-
-/// Bounds on extinction in boxes of several texels, so that empty space costs little.
-struct Majorants {
-    cells: [u32; 3],
-    values: Vec<f32>,
-}
-
-fn majorants(grid: &Grid, sigma_t: [f32; 3]) -> Majorants {
-    let cells = grid
-        .size
-        .map(|n| n.div_ceil(TEXELS_PER_CELL).min(MOST_CELLS));
-    let reach: [Vec<std::ops::RangeInclusive<usize>>; 3] = std::array::from_fn(|axis| {
-        (0..cells[axis])
-            .map(|i| texels_of(grid, axis, i, cells[axis]))
-            .collect()
-    });
-    let (values, channels) = grid.values.flat();
-    let [w, h, _] = grid.size.map(|n| n as usize);
-    let mut out = Vec::with_capacity(cells.iter().map(|&n| n as usize).product());
-    for z in &reach[2] {
-        for y in &reach[1] {
-            for x in &reach[0] {
-                let mut most = [0.0f32; 3];
-                for row in z
-                    .clone()
-                    .flat_map(|z| y.clone().map(move |y| (z * h + y) * w))
-                {
-                    let run = &values[(row + x.start()) * channels..(row + x.end() + 1) * channels];
-                    for (i, &v) in run.iter().enumerate() {
-                        let c = i % channels;
-                        most[c] = most[c].max(v);
-                    }
-                }
-                let by_channel = (0..3).map(|c| most[c % channels] * sigma_t[c]);
-                let bound = by_channel.fold(0.0, f32::max);
-                // A little above: interpolation rounds.
-                out.push(if bound > 0.0 {
-                    bound * (1.0 + 1e-5) + f32::MIN_POSITIVE
-                } else {
-                    0.0
-                });
-            }
-        }
-    }
-    Majorants { cells, values: out }
-}
-
-/// The texels that have a say in box `i` of `cells` along `axis`, with some room for rounding at its ends.
-fn texels_of(grid: &Grid, axis: usize, i: u32, cells: u32) -> std::ops::RangeInclusive<usize> {
-    let n = f64::from(grid.size[axis]);
-    let room = 1e-3;
-    let end = |i: u32| f64::from(i) / f64::from(cells) * n;
-    let (first, last) = if grid.nearest {
-        ((end(i) - room).floor(), (end(i + 1) + room).floor())
-    } else {
-        (
-            (end(i) - 0.5 - room).floor(),
-            (end(i + 1) - 0.5 + room).floor() + 1.0,
-        )
-    };
-    let clamp = |x: f64| x.clamp(0.0, n - 1.0) as usize;
-    clamp(first)..=clamp(last)
 }
 
 #[cfg(test)]

@@ -3,12 +3,13 @@
 mod alias;
 pub mod bvh;
 mod emitters;
+mod geometry;
 mod media;
 mod surfaces;
 mod writer;
 
 use crate::blob::AlignedBlob;
-use crate::description::{Description, Geometry, Mesh, Place};
+use crate::description::{Description, Geometry, Place};
 use emitters::{Emitters, Emitting};
 use etendue::Scene;
 use etendue::blob::BlobError;
@@ -16,12 +17,11 @@ use etendue::blob::format::{
     Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, emitter, material, needs,
     section,
 };
-use media::Media;
+use geometry::{Flat, size, sphere_area, triangle_area};
+use media::space::{self, Found};
+use media::{Media, lines};
 use std::path::Path;
 use surfaces::Surfaces;
-
-/// Coordinates beyond this are refused, as the kernel does.
-const MAX_COORDINATE: f32 = 1e12;
 
 /// The least area of a light: the density of a point on it, 1 over it at most, still fits single precision.
 const LEAST_AREA: f64 = 1e-37;
@@ -40,6 +40,8 @@ pub struct Compiled {
     pub tree: bvh::Tree,
     /// Whether the tree has the shape of one that was given.
     pub refitted: bool,
+    /// What the reader should know: what stands in which medium, where objects and the description don't agree.
+    pub warnings: Vec<String>,
 }
 
 /// Why a description can't be compiled.
@@ -158,20 +160,6 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
     };
     name_parents(&mut built.nodes);
     let (center, radius) = geometry.bounds();
-    for glowing in &media.glowing {
-        let emitter = emitters.volume(glowing);
-        media.media[glowing.medium as usize].emitter = emitter;
-    }
-    for e in &d.emitters {
-        let fail = |reason: String| CompileError {
-            place: e.place.clone(),
-            name: e.name.clone(),
-            reason,
-        };
-        emitters
-            .add(&e.kind, e.medium, f64::from(radius), &mut surfaces.texels)
-            .map_err(fail)?;
-    }
     // Primitives get the ids that the tree gave them.
     let empty = Triangle {
         index: [0; 3],
@@ -193,6 +181,31 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
         .iter()
         .map(|&s| geometry.sphere_records[s as usize])
         .collect();
+    let found = if d.media.is_empty() {
+        Found::vacuum(d)
+    } else {
+        let tree = lines::Tree {
+            nodes: &built.nodes,
+            packets: &built.packets,
+            triangles: &triangles,
+            spheres: &spheres,
+        };
+        space::find(d, &tree, center, radius)?
+    };
+    for glowing in &media.glowing {
+        let emitter = emitters.volume(glowing);
+        media.media[glowing.medium as usize].emitter = emitter;
+    }
+    for (e, medium) in d.emitters.iter().zip(&found.emitters) {
+        let fail = |reason: String| CompileError {
+            place: e.place.clone(),
+            name: e.name.clone(),
+            reason,
+        };
+        emitters
+            .add(&e.kind, *medium, f64::from(radius), &mut surfaces.texels)
+            .map_err(fail)?;
+    }
     let sphere_base = (built.packets.len() * LANES) as u32;
     let mut emitting = Vec::new();
     let mut push = |shape: u32, primitive: u32, area: f64| {
@@ -226,7 +239,7 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
         depth: built.depth,
         sphere_base,
         background: emitters.background.unwrap_or(NONE),
-        exterior: optional(d.exterior),
+        exterior: optional(found.exterior),
         reserved: [0; 8],
     };
     let used = |m: &u32| *m != NONE;
@@ -256,7 +269,10 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
     }
     let mut writer = writer::Writer::default();
     writer.section(section::WORLD, &[world]);
-    writer.section(section::SENSOR, &[surfaces::sensor(&d.sensor)]);
+    writer.section(
+        section::SENSOR,
+        &[surfaces::sensor(&d.sensor, found.sensor)],
+    );
     writer.section(section::NODES, &built.nodes);
     writer.section(section::PACKETS, &built.packets);
     writer.section(section::TRIANGLES, &triangles);
@@ -286,6 +302,7 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
             depth: built.depth,
         },
         refitted: was_refitted,
+        warnings: found.warnings,
     })
 }
 
@@ -356,137 +373,4 @@ fn optional(id: Option<usize>) -> u32 {
 fn is_distant(kind: &crate::description::EmitterKind) -> bool {
     use crate::description::EmitterKind::{Point, Spot};
     !matches!(kind, Point { .. } | Spot { .. })
-}
-
-/// Half the diagonal of an object's bounding box.
-fn size(g: &Geometry) -> f64 {
-    match g {
-        Geometry::Sphere { radius, .. } => f64::from(*radius),
-        Geometry::Mesh(mesh) => {
-            let corners = mesh.positions.iter().map(|p| glam::Vec3::from(*p));
-            let low = corners.clone().fold(glam::Vec3::INFINITY, glam::Vec3::min);
-            let high = corners.fold(glam::Vec3::NEG_INFINITY, glam::Vec3::max);
-            0.5 * f64::from((high - low).length())
-        }
-    }
-}
-
-fn triangle_area(t: &[[f32; 3]; 3]) -> f64 {
-    let [a, b, c] = t.map(|p| glam::DVec3::from(p.map(f64::from)));
-    0.5 * (b - a).cross(c - a).length()
-}
-
-fn sphere_area(radius: f32) -> f64 {
-    4.0 * std::f64::consts::PI * f64::from(radius) * f64::from(radius)
-}
-
-/// All geometry in flat lists.
-#[derive(Default)]
-struct Flat {
-    corners: Vec<[[f32; 3]; 3]>,
-    triangles: Vec<Triangle>,
-    normals: Vec<[f32; 3]>,
-    uvs: Vec<[f32; 2]>,
-    spheres: Vec<([f32; 3], f32)>,
-    sphere_records: Vec<Sphere>,
-    low: Option<[f32; 3]>,
-    high: [f32; 3],
-}
-
-impl Flat {
-    /// Adds a mesh; returns its area.
-    fn mesh(&mut self, id: u32, mesh: &Mesh, shape: &mut Shape) -> Result<f64, String> {
-        let too_many = || "more vertices than the format can count (2³²)".to_string();
-        shape.vertices = u32::try_from(mesh.positions.len()).map_err(|_| too_many())?;
-        for p in &mesh.positions {
-            self.grow(*p, 0.0)?;
-        }
-        if let Some(normals) = &mesh.normals {
-            shape.normals = u32::try_from(self.normals.len()).map_err(|_| too_many())?;
-            self.normals.extend(normals.iter().map(|n| unit(*n)));
-        }
-        if let Some(uvs) = &mesh.uvs {
-            shape.uvs = u32::try_from(self.uvs.len()).map_err(|_| too_many())?;
-            self.uvs.extend_from_slice(uvs);
-        }
-        let mut area = 0.0;
-        for index in &mesh.triangles {
-            let corner = |i: u32| {
-                let p = mesh.positions.get(i as usize).copied();
-                p.ok_or_else(|| format!("vertex {i} of {}", mesh.positions.len()))
-            };
-            let corners = [corner(index[0])?, corner(index[1])?, corner(index[2])?];
-            area += triangle_area(&corners);
-            self.corners.push(corners);
-            self.triangles.push(Triangle {
-                index: *index,
-                shape: id,
-            });
-        }
-        Ok(area)
-    }
-
-    /// Adds a sphere; returns its area.
-    fn sphere(
-        &mut self,
-        shape: u32,
-        center: [f32; 3],
-        radius: f32,
-        flipped: bool,
-    ) -> Result<f64, String> {
-        if !(radius > 0.0 && radius <= MAX_COORDINATE) {
-            return Err(format!(
-                "a sphere's radius must be in (0, 1e12], found {radius}"
-            ));
-        }
-        self.grow(center, radius)?;
-        self.spheres.push((center, radius));
-        self.sphere_records.push(Sphere {
-            center,
-            radius,
-            shape,
-            flipped: u32::from(flipped),
-            reserved: [0; 2],
-        });
-        Ok(sphere_area(radius))
-    }
-
-    /// Makes the bounds hold a ball around `p`.
-    fn grow(&mut self, p: [f32; 3], radius: f32) -> Result<(), String> {
-        if !p.iter().all(|x| x.abs() <= MAX_COORDINATE) {
-            return Err(format!(
-                "coordinates must be finite and within ±1e12, found {p:?}"
-            ));
-        }
-        let low = self.low.get_or_insert([f32::INFINITY; 3]);
-        if low[0] == f32::INFINITY {
-            self.high = [f32::NEG_INFINITY; 3];
-        }
-        for axis in 0..3 {
-            low[axis] = low[axis].min(p[axis] - radius);
-            self.high[axis] = self.high[axis].max(p[axis] + radius);
-        }
-        Ok(())
-    }
-
-    /// A sphere around everything, a little larger than need be.
-    fn bounds(&self) -> ([f32; 3], f32) {
-        let Some(low) = self.low else {
-            return ([0.0; 3], 1.0);
-        };
-        let center: [f32; 3] = std::array::from_fn(|i| 0.5 * (low[i] + self.high[i]));
-        let square: f64 = (0..3)
-            .map(|i| f64::from(self.high[i]) - f64::from(center[i]))
-            .map(|x| x * x)
-            .sum();
-        let size = center.iter().fold(0.0f32, |m, x| m.max(x.abs()));
-        let radius = square.sqrt() as f32 * 1.0001 + size * 1e-6;
-        (center, radius.max(f32::MIN_POSITIVE * 16.0))
-    }
-}
-
-/// `n` at unit length, in double precision; +z if it has none.
-fn unit(n: [f32; 3]) -> [f32; 3] {
-    let v = glam::DVec3::from(n.map(f64::from)).normalize_or(glam::DVec3::Z);
-    [v.x as f32, v.y as f32, v.z as f32]
 }

@@ -176,7 +176,7 @@ impl Surfaces {
 }
 
 /// The camera's record.
-pub(super) fn sensor(s: &crate::description::Sensor) -> format::Sensor {
+pub(super) fn sensor(s: &crate::description::Sensor, medium: Option<usize>) -> format::Sensor {
     use crate::description::{Filter, Projection};
     let (kind, half_extent, aperture, focus) = match s.projection {
         Projection::Perspective {
@@ -210,7 +210,7 @@ pub(super) fn sensor(s: &crate::description::Sensor) -> format::Sensor {
         right: s.right,
         down: s.down,
         forward: s.forward,
-        medium: super::optional(s.medium),
+        medium: super::optional(medium),
         principal: s.principal,
         reserved: [0; 1],
     }

@@ -9,11 +9,11 @@ pub struct Medium {
     pub name: String,
     /// Where it was said.
     pub place: Place,
-    /// Extinction σ_t in 1 over scene units; with grids the factor of theirs. Each channel ≥ 0.
+    /// Extinction σ_t in 1 over scene units; with grids the factor of theirs. Each channel 0 or in [1e-12, 1e12].
     pub sigma_t: Color,
     /// Albedo σ_s/σ_t; with grids the factor of theirs. Each channel in [0, 1].
     pub albedo: Color,
-    /// Emission E in W m⁻³ sr⁻¹; with grids the factor of theirs. Each channel ≥ 0; where it is > 0 so must absorption be.
+    /// Emission E in W m⁻³ sr⁻¹; with grids the factor of theirs. Each channel in [0, 1e20]; where it is > 0 so must absorption be.
     pub emission: Color,
     /// Parts of the phase function, one to four; their weights are relative to each other.
     pub phase: Vec<Lobe>,

@@ -8,6 +8,7 @@ pub mod mitsuba;
 pub mod obj;
 pub mod ply;
 pub mod serialized;
+pub mod volume;
 
 #[cfg(test)]
 mod tests;

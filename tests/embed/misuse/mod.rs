@@ -9,6 +9,7 @@ use etendue_host_capi::builder::*;
 use etendue_host_capi::camera::*;
 use etendue_host_capi::hooks::EtdHost;
 use etendue_host_capi::light::*;
+use etendue_host_capi::medium::*;
 use etendue_host_capi::object::*;
 use etendue_host_capi::surface::*;
 use std::ffi::{CStr, c_char, c_void};
@@ -142,6 +143,7 @@ fn builders() {
         made(etd_light_default),
         made(etd_camera_default),
     );
+    let u = made(etd_medium_default);
     let mut blob: EtdBlob = sized();
     let blob = &raw mut blob;
     // SAFETY: the pointers are good or, on purpose, such as the functions find out.
@@ -159,16 +161,18 @@ fn builders() {
                 etd_builder_set_light(b, 0, &l),
                 etd_builder_set_transform(b, 0, identity.as_ptr()),
                 etd_builder_add_instance(b, 0, identity.as_ptr(), id),
-                etd_builder_add_medium(b, null(), id),
+                etd_builder_add_medium(b, &u, id),
+                etd_builder_set_media(b, 0, ETD_NONE, ETD_NONE),
+                etd_builder_set_exterior(b, ETD_NONE),
                 etd_builder_build(b, blob, null_mut()),
                 etd_builder_refit(b, blob, null_mut()),
             ]
         };
         let mut foreign = [0_u64; 64];
         let foreign: *mut EtdBuilder = foreign.as_mut_ptr().cast();
-        assert_eq!(calls(null_mut()), [ETD_E_NULL; 14]);
-        assert_eq!(calls(off(foreign)), [ETD_E_MISALIGNED; 14]);
-        assert_eq!(calls(foreign), [ETD_E_HANDLE; 14]);
+        assert_eq!(calls(null_mut()), [ETD_E_NULL; 16]);
+        assert_eq!(calls(off(foreign)), [ETD_E_MISALIGNED; 16]);
+        assert_eq!(calls(foreign), [ETD_E_HANDLE; 16]);
         assert_eq!(etd_builder_free(null_mut()), ETD_OK);
         assert_eq!(etd_builder_free(off(foreign)), ETD_E_MISALIGNED);
         assert_eq!(etd_builder_free(foreign), ETD_E_HANDLE);
@@ -197,7 +201,20 @@ fn builders() {
             ETD_E_UNSUPPORTED
         );
         assert_eq!(
-            etd_builder_add_medium(good.0, null(), id),
+            etd_builder_set_media(good.0, 0, 0, ETD_NONE),
+            ETD_E_ARGUMENT
+        );
+        assert_eq!(
+            etd_builder_set_media(good.0, 0, ETD_NONE, 0),
+            ETD_E_ARGUMENT
+        );
+        assert_eq!(etd_builder_set_exterior(good.0, 0), ETD_E_ARGUMENT);
+        assert_eq!(etd_builder_add_medium(good.0, &u, id), ETD_OK);
+        assert_eq!((*id, etd_builder_set_exterior(good.0, 0)), (0, ETD_OK));
+        assert_eq!(etd_builder_set_media(good.0, 1, 0, 0), ETD_E_ARGUMENT);
+        assert_eq!(etd_builder_set_media(good.0, 0, 0, 0), ETD_OK);
+        assert_eq!(
+            etd_builder_add_instance(good.0, 0, identity.as_ptr(), id),
             ETD_E_UNSUPPORTED
         );
         assert_eq!(etd_builder_message(good.0, null_mut(), 8), ETD_E_NULL);
@@ -247,6 +264,9 @@ fn structs_of_a_scene() {
         });
         pointers(made(etd_light_default), |l| {
             etd_builder_set_light(b.0, 0, l)
+        });
+        pointers(made(etd_medium_default), |m| {
+            etd_builder_add_medium(b.0, m, id)
         });
         let (m, t, l) = (
             made(etd_material_default),

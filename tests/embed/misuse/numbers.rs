@@ -4,6 +4,7 @@ use super::{Builder, made, triangle};
 use etendue::capi::status::*;
 use etendue_host_capi::camera::*;
 use etendue_host_capi::light::*;
+use etendue_host_capi::medium::*;
 use etendue_host_capi::object::*;
 use etendue_host_capi::surface::*;
 use std::ptr::null;
@@ -31,7 +32,7 @@ fn numbers_of_a_scene() {
     fn default_camera() -> EtdCamera {
         made(etd_camera_default)
     }
-    static FAR: [f32; 9] = [0., 0., f32::NAN, 0., 0., 0., 0., 1., 0.];
+    static FAR: [f32; 12] = [0., 0., f32::NAN, 0., 0., 0., 0., 1., 0., 0., 0., 0.];
     let b = Builder::new(null());
     let mut id = 0;
     let id = &raw mut id;
@@ -127,6 +128,39 @@ fn numbers_of_a_scene() {
         ],
         // SAFETY: good pointers, and null ones.
         |l| unsafe { etd_builder_add_light(b.0, l, id) },
+    );
+    fn smoke() -> EtdMedium {
+        let mut m = made(etd_medium_default);
+        (m.extinction.size, m.extinction.floats) = ([2, 2, 3], 12);
+        m.extinction.values = TEXELS.as_ptr();
+        m
+    }
+    refused(
+        smoke,
+        &[
+            |m| m.sigma_t[1] = -1.0,
+            |m| m.sigma_t[1] = f32::NAN,
+            |m| m.albedo[0] = 1.5,
+            |m| m.emission[2] = f32::INFINITY,
+            |m| m.reserved = 1,
+            |m| m.tracking = 3,
+            |m| m.phase[0].weight = 0.0,
+            |m| m.phase[1].weight = -1.0,
+            |m| m.phase[3].kind = 4,
+            |m| (m.phase[2].kind, m.phase[2].g) = (ETD_PHASE_HG, 1.0),
+            |m| m.to_grid[2][3] = f32::NAN,
+            |m| m.extinction.size[0] = 0,
+            |m| m.extinction.size[2] = 4097,
+            |m| m.extinction.channels = 2,
+            |m| m.extinction.nearest = 2,
+            |m| m.extinction.reserved = 1,
+            |m| m.extinction.floats = 11,
+            |m| m.extinction.values = null(),
+            |m| m.extinction.values = FAR.as_ptr(),
+            |m| (m.albedos, m.extinction) = (m.extinction, m.albedos),
+        ],
+        // SAFETY: good pointers, and null ones.
+        |m| unsafe { etd_builder_add_medium(b.0, m, id) },
     );
     refused(
         default_camera,

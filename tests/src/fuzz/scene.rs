@@ -6,12 +6,29 @@ use arbitrary::{Arbitrary, Result, Unstructured};
 use etendue::Scene;
 use etendue_host::compile::compile;
 use etendue_host::description::{
-    ColorSource, Description, Emitter, EmitterKind, Filter, Geometry, Image, Material, Mesh, Model,
-    Pattern, Place, Projection, Sensor, Shape, Texels, Texture, Wrap,
+    ColorSource, Description, Emitter, EmitterKind, Filter, Geometry, Grid, GridValues, Grids,
+    Image, Lobe, Material, Medium, Mesh, Model, Pattern, Phase, Place, Projection, Sensor, Shape,
+    Texels, Texture, Tracking, Wrap,
 };
 
 /// What may be wrong with a scene whose numbers all are in their ranges.
-const REASONS: [&str; 2] = ["a light needs an area", "a background already"];
+const REASONS: [&str; 14] = [
+    "a light needs an area",
+    "a background already",
+    // Media.
+    "overlaps with",
+    "it meets itself",
+    "the space outside all objects",
+    "doesn't absorb",
+    "the size and filter",
+    "asks for extinction of one channel",
+    "sigma_t must be",
+    "emission must be in",
+    "albedo must be in",
+    "the transform of its grids",
+    "from a volume of at least",
+    "the weights of phase functions",
+];
 
 /// **Property:** every description compiles to a blob that opens, or is refused with a reason; one whose numbers keep
 /// to their documented ranges is refused only for a reason that no number alone has. What opens makes finite
@@ -69,7 +86,111 @@ fn description(s: &mut Source<'_>) -> Result<Description> {
             medium: None,
         });
     }
+    media(s, &mut d)?;
     Ok(d)
+}
+
+/// Media, and what stands in them.
+fn media(s: &mut Source<'_>, d: &mut Description) -> Result<()> {
+    let count = s.below(3)?;
+    for i in 0..count {
+        let medium = medium(s, i)?;
+        d.media.push(medium);
+    }
+    if count == 0 {
+        return Ok(());
+    }
+    let any = |s: &mut Source<'_>| {
+        let m = s.below(2 * count)?;
+        Ok((m < count).then_some(m))
+    };
+    for shape in &mut d.shapes {
+        (shape.interior, shape.exterior) = (any(s)?, any(s)?);
+    }
+    d.sensor.medium = any(s)?;
+    for e in &mut d.emitters {
+        e.medium = any(s)?;
+    }
+    if s.below(4)? == 0 {
+        d.exterior = any(s)?;
+    }
+    Ok(())
+}
+
+fn medium(s: &mut Source<'_>, i: usize) -> Result<Medium> {
+    let phase = |s: &mut Source<'_>| {
+        Ok(Lobe {
+            phase: match s.below(4)? {
+                0 => Phase::Isotropic,
+                1 => Phase::HenyeyGreenstein {
+                    g: s.number(-0.999, 0.999)?,
+                },
+                2 => Phase::Rayleigh,
+                _ => Phase::Forward,
+            },
+            weight: s.number(0.0, 1.0)?,
+        })
+    };
+    let phase = (0..=s.below(4)?).map(|_| phase(s)).collect::<Result<_>>()?;
+    let coefficients = [s.numbers(0.0, 1e12)?, s.numbers(0.0, 1.0)?];
+    let emission = if s.coin()? {
+        s.numbers(0.0, 1e30)?
+    } else {
+        [0.0; 3]
+    };
+    let grids = if s.coin()? { Some(grids(s)?) } else { None };
+    Ok(Medium {
+        name: format!("medium {i}"),
+        place: Place::default(),
+        sigma_t: coefficients[0],
+        albedo: coefficients[1],
+        emission,
+        phase,
+        grids,
+    })
+}
+
+fn grids(s: &mut Source<'_>) -> Result<Grids> {
+    let grid = |s: &mut Source<'_>, most: f32| {
+        let size = [1 + s.below(5)?, 1 + s.below(5)?, 1 + s.below(9)?];
+        let count: usize = size.iter().product();
+        Ok(Grid {
+            size: size.map(|n| n as u32),
+            values: if s.coin()? {
+                GridValues::Gray(
+                    (0..count)
+                        .map(|_| s.number(0.0, most))
+                        .collect::<Result<_>>()?,
+                )
+            } else {
+                GridValues::Rgb(
+                    (0..count)
+                        .map(|_| s.numbers(0.0, most))
+                        .collect::<Result<_>>()?,
+                )
+            },
+            nearest: s.coin()?,
+        })
+    };
+    let mut to_grid = [[0.0; 4]; 3];
+    for (i, row) in to_grid.iter_mut().enumerate() {
+        if s.coin()? {
+            *row = s.numbers(-1e6, 1e6)?;
+        } else {
+            (row[i], row[3]) = (s.number(1e-6, 1e6)?, s.number(-1e6, 1e6)?);
+        }
+    }
+    Ok(Grids {
+        extinction: grid(s, f32::MAX)?,
+        albedo: if s.coin()? { Some(grid(s, 1.0)?) } else { None },
+        emission: if s.coin()? { Some(grid(s, 1.0)?) } else { None },
+        to_grid,
+        tracking: match s.below(3)? {
+            0 => Tracking::Woodcock,
+            1 => Tracking::Residual,
+            _ => Tracking::Regular,
+        },
+    })
 }
 
 fn sensor(s: &mut Source<'_>) -> Result<Sensor> {

@@ -8,12 +8,17 @@ use etendue_host::load::load;
 use std::path::Path;
 
 /// Files that a scene may name, beside it.
-const BESIDE: [(&str, &[u8]); 2] = [
+const BESIDE: [(&str, &[u8]); 3] = [
     ("m.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
     (
         "m.ply",
         b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
           element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+    ),
+    // Two texels, 0.5 and 1.
+    (
+        "v.vol",
+        b"VOL\x03\x01\0\0\0\x02\0\0\0\x01\0\0\0\x01\0\0\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x80?\0\0\x80?\0\0\x80?\0\0\0?\0\0\x80?",
     ),
 ];
 

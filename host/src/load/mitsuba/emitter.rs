@@ -49,6 +49,11 @@ impl Loader<'_> {
                 line,
             }));
         }
+        let medium = self.surroundings(&plugin)?;
+        if medium.is_some() && !matches!(plugin.kind, "point" | "spot") {
+            let found = format!("a medium at a {} emitter", plugin.kind);
+            return Err(plugin.invalid("medium", "at point and spot emitters only", found));
+        }
         plugin.ignore(&["sampling_weight"])?;
         plugin.finish()?;
         let name = self.name(plugin.node);
@@ -56,7 +61,7 @@ impl Loader<'_> {
             name,
             place: plugin.node.place.clone(),
             kind,
-            medium: None,
+            medium,
         });
         Ok(())
     }

@@ -4,6 +4,7 @@ mod bsdf;
 mod constants;
 mod document;
 mod emitter;
+mod medium;
 mod node;
 mod plugin;
 mod sensor;
@@ -17,7 +18,7 @@ mod tests;
 
 use super::error::{LoadError, Problem, file_place};
 use super::{Loaded, bitmap};
-use crate::description::Description;
+use crate::description::{Description, Lobe};
 use bsdf::Surface;
 use document::Document;
 use node::Node;
@@ -42,11 +43,13 @@ struct Loader<'a> {
     document: &'a Document,
     out: Description,
     warnings: Vec<String>,
-    /// Surfaces and textures made, by element.
+    /// Surfaces, textures, media and phase functions made, by element.
     surfaces: HashMap<usize, Surface>,
     textures: HashMap<(usize, bool), usize>,
+    media: HashMap<usize, usize>,
+    phases: HashMap<usize, Vec<Lobe>>,
     images: HashMap<(PathBuf, bool), Rc<crate::description::Image>>,
-    /// Surfaces being made: a cycle of references comes back here.
+    /// Surfaces and phase functions being made: a cycle of references comes back here.
     open: Vec<usize>,
     integrator: Option<usize>,
     sensor: Option<usize>,
@@ -61,6 +64,8 @@ impl<'a> Loader<'a> {
             warnings: Vec::new(),
             surfaces: HashMap::new(),
             textures: HashMap::new(),
+            media: HashMap::new(),
+            phases: HashMap::new(),
             images: HashMap::new(),
             open: Vec::new(),
             integrator: None,
@@ -115,12 +120,16 @@ impl<'a> Loader<'a> {
                 },
                 "shape" => self.shape(index)?,
                 "emitter" => self.emitter(index)?,
-                "bsdf" | "texture" | "medium" => {}
+                "bsdf" | "texture" | "medium" | "phase" | "volume" => {}
+                "ref" if node.get("name") == Some("exterior") => {
+                    let target = resolve(document, index)?;
+                    self.exterior(index, target)?;
+                }
                 "ref" => {
                     resolve(document, index)?;
                 }
                 other => {
-                    let expected = "integrator, sensor, bsdf, texture, shape, emitter, default, include, alias or path";
+                    let expected = "integrator, sensor, bsdf, texture, medium, shape, emitter, default, include, alias or path";
                     return Err(node.error(
                         "<scene>",
                         Problem::Unknown {
@@ -149,6 +158,26 @@ impl<'a> Loader<'a> {
         self.unused()
     }
 
+    /// Our own: `<ref name="exterior" id="…"/>` in the scene names the medium outside of all objects.
+    fn exterior(&mut self, index: usize, target: usize) -> Result<(), LoadError> {
+        let node = &self.document.nodes[index];
+        let tag = &self.document.nodes[target].tag;
+        if tag != "medium" {
+            let problem = Problem::Invalid {
+                what: "exterior".into(),
+                expected: "a <medium>".into(),
+                found: format!("<{tag}>"),
+            };
+            return Err(node.error("<scene>", problem));
+        }
+        if self.out.exterior.is_some() {
+            let text = "names a second exterior, expected one".to_owned();
+            return Err(node.error("<scene>", Problem::Malformed(text)));
+        }
+        self.out.exterior = Some(self.medium(target)?);
+        Ok(())
+    }
+
     /// Checks named objects that nothing refers to: one that isn't supported is only told of.
     fn unused(&mut self) -> Result<(), LoadError> {
         let document = self.document;
@@ -161,24 +190,32 @@ impl<'a> Loader<'a> {
                 continue;
             }
             let node = &document.nodes[index];
-            if !["bsdf", "texture", "medium"].contains(&node.tag.as_str()) {
+            if !["bsdf", "texture", "medium", "phase", "volume"].contains(&node.tag.as_str()) {
                 continue;
             }
             let kept = (
                 self.out.materials.len(),
                 self.out.textures.len(),
+                self.out.media.len(),
                 self.warnings.len(),
             );
-            let (surfaces, textures) = (self.surfaces.clone(), self.textures.clone());
+            let made = (
+                self.surfaces.clone(),
+                self.textures.clone(),
+                self.media.clone(),
+            );
             let result = match node.tag.as_str() {
                 "bsdf" => self.surface(index).map(|_| ()),
                 "texture" => self.texture(index, false).map(|_| ()),
-                _ => Err(medium(node)),
+                "medium" => self.medium(index).map(|_| ()),
+                "phase" => self.phase(index).map(|_| ()),
+                _ => medium::volume(document, index).map(|_| ()),
             };
             self.out.materials.truncate(kept.0);
             self.out.textures.truncate(kept.1);
-            self.warnings.truncate(kept.2);
-            (self.surfaces, self.textures) = (surfaces, textures);
+            self.out.media.truncate(kept.2);
+            self.warnings.truncate(kept.3);
+            (self.surfaces, self.textures, self.media) = made;
             self.open.clear();
             match result {
                 Err(error) if matches!(*error.problem, Problem::Unsupported { .. }) => {
@@ -204,7 +241,7 @@ impl<'a> Loader<'a> {
             ));
         }
         match plugin.kind {
-            "path" | "volpath" => {}
+            "path" | "volpath" | "volpathmis" => {}
             "bdpt" | "ptracer" => {
                 let text = format!(
                     "integrator {}: the command line picks the estimator",
@@ -212,13 +249,12 @@ impl<'a> Loader<'a> {
                 );
                 self.warn(plugin.node, text);
             }
-            "direct" | "volpathmis" | "aov" | "depth" | "moment" | "stokes" | "prb"
-            | "prb_basic" => {
+            "direct" | "aov" | "depth" | "moment" | "stokes" | "prb" | "prb_basic" => {
                 return Err(
                     plugin.unsupported(format!("integrator {}", plugin.kind), "choose path")
                 );
             }
-            _ => return Err(plugin.unknown("path or volpath (or bdpt, ptracer)")),
+            _ => return Err(plugin.unknown("path, volpath or volpathmis (or bdpt, ptracer)")),
         }
         self.out.advice.max_depth = match plugin.integer("max_depth")? {
             None | Some(-1) => None,
@@ -249,19 +285,4 @@ impl<'a> Loader<'a> {
         self.images.insert(key, image.clone());
         Ok(image)
     }
-}
-
-/// The refusal of media.
-fn medium(node: &Node) -> LoadError {
-    let what = match node.get("id").filter(|_| node.tag != "ref") {
-        Some(id) => format!("medium \"{id}\""),
-        None => "a medium".into(),
-    };
-    node.error(
-        "<medium>",
-        Problem::Unsupported {
-            what,
-            instead: String::new(),
-        },
-    )
 }

@@ -1,9 +1,9 @@
 //! Sensors, films, pixel filters, samplers.
 
+use super::Loader;
 use super::plugin::Plugin;
 use super::transform::{orthogonal, similarity};
 use super::value::number;
-use super::{Loader, medium};
 use crate::description::{Filter, Projection, Sensor};
 use crate::load::error::{LoadError, Problem};
 use glam::{DMat3, DMat4};
@@ -18,20 +18,10 @@ impl Loader<'_> {
         if !["perspective", "thinlens", "orthographic"].contains(&plugin.kind) {
             return Err(plugin.unknown("perspective, thinlens or orthographic"));
         }
-        if let Some(&found) = plugin.objects("medium")?.first() {
-            let _ = found;
-            let child = plugin
-                .node
-                .children
-                .iter()
-                .map(|&c| &self.document.nodes[c]);
-            let at = child
-                .into_iter()
-                .find(|c| c.get("name") == Some("medium"))
-                .unwrap_or(plugin.node);
-            return Err(medium(at));
-        }
-        let mut sensor = Sensor::default();
+        let mut sensor = Sensor {
+            medium: self.surroundings(&plugin)?,
+            ..Sensor::default()
+        };
         match plugin.object("film")? {
             Some(film) => self.film(film, &mut sensor)?,
             None => sensor.filter = gaussian(0.5),

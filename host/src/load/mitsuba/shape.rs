@@ -1,8 +1,8 @@
 //! Shapes: meshes from files, spheres exactly, boxes, rectangles and discs as triangles.
 
+use super::Loader;
 use super::plugin::Plugin;
 use super::transform::similarity;
-use super::{Loader, medium};
 use crate::description::{Color, ColorSource, Geometry, Mesh, Model, Shape};
 use crate::load::error::{LoadError, Problem};
 use crate::load::mesh::Finish;
@@ -44,12 +44,7 @@ impl Loader<'_> {
                 plugin.unknown(KNOWN)
             });
         }
-        for &child in &plugin.node.children {
-            let child = &self.document.nodes[child];
-            if child.tag == "medium" || matches!(child.get("name"), Some("interior" | "exterior")) {
-                return Err(medium(child));
-            }
-        }
+        let [interior, exterior] = self.sides(&plugin)?;
         let surface = match plugin.object("bsdf")? {
             Some(bsdf) => self.surface(bsdf)?,
             None => self.default_surface(),
@@ -87,8 +82,8 @@ impl Loader<'_> {
             back: surface.back,
             emission,
             opacity: surface.opacity,
-            interior: None,
-            exterior: None,
+            interior,
+            exterior,
         });
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! Meshes and images written to bytes and read back; every way of breaking them.
 
 mod robust;
+mod volume;
 
 use super::{RawMesh, bitmap, obj, ply, serialized};
 use flate2::{Compression, write::ZlibEncoder};

@@ -2,7 +2,8 @@
 
 use super::rules::{Checked, MAX_COORDINATE, coordinates, ensure, optional, span, within, zeros};
 use crate::blob::format::{
-    LANES, MAX_DEPTH, NONE, Node, Packet, Shape, Sphere, Triangle, WIDTH, World, child, emitter,
+    Emitter, LANES, MAX_DEPTH, NONE, Node, Packet, Shape, Sphere, Triangle, WIDTH, World, child,
+    emitter, medium,
 };
 use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
@@ -26,6 +27,13 @@ pub(super) fn world(scene: &Scene<'_>) -> Checked {
         ensure(distant.contains(&e.kind), Rule::WorldBackgroundKind)?;
     }
     optional(w.exterior, scene.media.len(), Rule::WorldExterior)?;
+    if let Some(m) = scene.medium(w.exterior) {
+        // A grid ends somewhere, and behind it the sky is clear.
+        let dims = m.kind != medium::GRID && m.sigma_t.iter().any(|&sigma| sigma != 0.0);
+        let distant = |e: &Emitter| (emitter::DIRECTIONAL..=emitter::CUBEMAP).contains(&e.kind);
+        let none = !scene.emitters.iter().any(distant);
+        ensure(none || !dims, Rule::WorldExteriorDistant)?;
+    }
     zeros(&w.reserved, Rule::WorldReserved)
 }
 

@@ -1,6 +1,6 @@
 //! Emitters, and the tables by which they are chosen.
 
-use super::rules::{Checked, coordinates, ensure, span, unit, within, zeros};
+use super::rules::{Checked, coordinates, ensure, optional, span, unit, within, zeros};
 use super::surface::size;
 use crate::blob::format::{Cell, Choice, Emitter, NONE, emitter};
 use crate::blob::rule::Rule;
@@ -22,6 +22,7 @@ pub(super) fn emitter(
     within(&e.radiance, 0.0, 1e30, Rule::EmitterRadiance)?;
     within(&[e.density], 0.0, f32::MAX, Rule::EmitterDensity)?;
     coordinates(&e.position, Rule::EmitterPosition)?;
+    optional(e.medium, scene.media.len(), Rule::EmitterMedium)?;
     zeros(&e.reserved, Rule::EmitterReserved)?;
     match e.kind {
         emitter::AREA => {
@@ -35,6 +36,7 @@ pub(super) fn emitter(
         }
         emitter::DIRECTIONAL => unit(&e.direction, Rule::DirectionalDirection),
         emitter::LATLONG | emitter::CUBEMAP => environment(scene, e, texels, cells),
+        emitter::VOLUME => volume(scene, e),
         _ => Ok(()),
     }
 }
@@ -63,6 +65,18 @@ fn environment(scene: &Scene<'_>, e: &Emitter, texels: &mut u64, cells: &mut u64
     *cells = cells.checked_sub(own).ok_or(Rule::EnvironmentCellBudget)?;
     let inside = table.iter().all(|c| u64::from(c.alias) < own);
     ensure(inside, Rule::EnvironmentAlias)
+}
+
+fn volume(scene: &Scene<'_>, e: &Emitter) -> Checked {
+    ensure((e.medium as usize) < scene.media.len(), Rule::VolumeMedium)?;
+    coordinates(e.to_local.as_flattened(), Rule::VolumeEdges)?;
+    let [a, b, c] = e.to_local.map(|edge| edge.map(f64::from));
+    let volume = a[0] * (b[1] * c[2] - b[2] * c[1])
+        + a[1] * (b[2] * c[0] - b[0] * c[2])
+        + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    // And not subnormal: densities are its inverse.
+    let solid = volume.abs() >= f64::from(f32::MIN_POSITIVE);
+    ensure(solid, Rule::VolumeSize)
 }
 
 pub(super) fn choice(scene: &Scene<'_>, c: &Choice) -> Checked {

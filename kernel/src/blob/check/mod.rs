@@ -10,6 +10,7 @@
 mod contents;
 mod geometry;
 mod light;
+mod media;
 mod rules;
 mod sensor;
 mod surface;
@@ -69,7 +70,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
     each(section::MATERIALS, s.materials, |_, m| {
         surface::material(s, m)
     })?;
-    // What textures and environments read may not add up to more than there is: this keeps the
+    // What textures, environments and grids read may not add up to more than there is: this keeps the
     // passes over their texels and cells linear.
     let mut texels = s.texels.len() as u64;
     let mut cells = s.cells.len() as u64;
@@ -78,6 +79,13 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
     })?;
     each(section::EMITTERS, s.emitters, |i, e| {
         light::emitter(s, i, e, &mut texels, &mut cells)
+    })?;
+    each(section::GRIDS, s.grids, |_, g| {
+        media::grid(s, g, &mut texels)
+    })?;
+    let mut reads = media::SHARING * s.texels.len() as u64;
+    each(section::MEDIA, s.media, |_, m| {
+        media::medium(s, m, &mut reads)
     })?;
     each(section::CHOICES, s.choices, |_, c| light::choice(s, c))?;
     each(section::CELLS, s.cells, |_, c| light::cell(c))?;

@@ -22,6 +22,7 @@ pub(super) struct Builder {
     pub materials: u32,
     pub objects: u32,
     pub lights: u32,
+    pub media: u32,
 }
 
 /// Counts what it has given; gives nothing, or something misaligned, now and then.
@@ -39,6 +40,7 @@ impl Builder {
             materials: 0,
             objects: 0,
             lights: 0,
+            media: 0,
         }
     }
 

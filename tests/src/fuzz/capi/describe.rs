@@ -8,6 +8,7 @@ use etendue::capi::status::*;
 use etendue_host_capi::builder::*;
 use etendue_host_capi::camera::*;
 use etendue_host_capi::light::*;
+use etendue_host_capi::medium::*;
 use etendue_host_capi::object::*;
 use etendue_host_capi::surface::*;
 use std::ptr::null_mut;
@@ -246,6 +247,66 @@ impl Program<'_> {
         Ok(())
     }
 
+    /// Adds a medium, or says where one is.
+    fn medium(&mut self) -> Result<()> {
+        let (builder, good) = self.builder()?;
+        let (media, objects) = (self.builder.media, self.builder.objects);
+        let s = &mut self.s;
+        if media > 0 && bool::arbitrary(&mut s.bytes)? {
+            let [interior, exterior] = [id(s, media)?, id(s, media)?];
+            let object = id(s, objects)?;
+            let all = u8::arbitrary(&mut s.bytes)? < 32;
+            // SAFETY: a builder of this program.
+            let status = self.call("media", good, || unsafe {
+                if all {
+                    etd_builder_set_exterior(builder, exterior)
+                } else {
+                    etd_builder_set_media(builder, object, interior, exterior)
+                }
+            });
+            return self.message(status);
+        }
+        let mut m = made(etd_medium_default);
+        m.sigma_t = s.numbers(0.0, 1e12)?;
+        m.albedo = s.numbers(0.0, 1.0)?;
+        if bool::arbitrary(&mut s.bytes)? {
+            m.emission = s.numbers(0.0, 1e30)?;
+        }
+        for lobe in &mut m.phase {
+            lobe.kind = s.below(5)? as u32;
+            lobe.g = s.number(-0.999, 0.999)?;
+            lobe.weight = s.number(0.0, 1.0)?;
+        }
+        m.tracking = s.below(4)? as u32;
+        for row in &mut m.to_grid {
+            *row = s.numbers(-1e6, 1e6)?;
+        }
+        let mut arrays = Vec::new();
+        for grid in [&mut m.extinction, &mut m.albedos, &mut m.emissions] {
+            if s.below(3)? > 0 {
+                continue;
+            }
+            let sides = [1 + s.below(3)?, 1 + s.below(3)?, 1 + s.below(3)?];
+            grid.size = sides.map(|n| n as u32);
+            grid.channels = s.below(4)? as u32;
+            grid.nearest = s.below(3)? as u32;
+            grid.floats = sides.iter().product::<usize>() * grid.channels as usize;
+            let values = (0..grid.floats).map(|_| s.number(0.0, 1.0));
+            let values = values.collect::<Result<Vec<f32>>>()?;
+            let values = Array::new(s, values)?;
+            grid.values = values.at;
+            // No number and no place for one is no grid.
+            let absent = values.at.is_null() && grid.floats == 0;
+            arrays.push((values, absent));
+        }
+        let m = Struct::new(s, m)?;
+        let good = m.good && arrays.iter().all(|(a, absent)| a.good || *absent);
+        // SAFETY: as above, and arrays of the stated lengths.
+        let add = |b, to| unsafe { etd_builder_add_medium(b, m.at, to) };
+        self.builder.media = self.adds("medium", good, media, add)?;
+        Ok(())
+    }
+
     pub fn transform(&mut self) -> Result<()> {
         let (builder, good) = self.builder()?;
         let s = &mut self.s;
@@ -257,15 +318,17 @@ impl Program<'_> {
         let matrix = Array::new(s, matrix)?;
         let object = id(s, self.builder.objects)?;
         let reserved = u8::arbitrary(&mut s.bytes)?;
+        if (8..16).contains(&reserved) {
+            return self.medium();
+        }
         let mut new = 0;
         // SAFETY: as above, and twelve numbers.
         let status = self.call(
             "transform",
-            good && matrix.good && reserved >= 16,
+            good && matrix.good && reserved >= 8,
             || unsafe {
                 match reserved {
                     0..=7 => etd_builder_add_instance(builder, object, matrix.at, &raw mut new),
-                    8..=15 => etd_builder_add_medium(builder, std::ptr::null(), &raw mut new),
                     _ => etd_builder_set_transform(builder, object, matrix.at),
                 }
             },

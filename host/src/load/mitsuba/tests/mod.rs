@@ -6,6 +6,7 @@ use crate::load::{Loaded, load};
 use std::path::Path;
 use tempfile::TempDir;
 
+mod media;
 mod refusals;
 mod values;
 

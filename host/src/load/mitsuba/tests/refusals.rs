@@ -113,10 +113,6 @@ fn sensors_of_all_kinds() {
             "free of scale",
         ),
         (
-            "type='perspective'><medium type='homogeneous' name='medium'/>",
-            "a medium is not supported yet",
-        ),
-        (
             "type='perspective'><film type='hdrfilm'><rfilter type='lanczos'/></film>",
             "choose box, tent or gaussian",
         ),
@@ -142,7 +138,7 @@ fn refusals_say_where_what_and_what_instead() {
     );
     refused(
         "<shape type='sphere'><float name='radios' value='1'/></shape>",
-        "scene.xml:3: sphere: unknown parameter \"radios\", expected <bsdf>, <emitter>, center, radius, flip_normals, \
+        "scene.xml:3: sphere: unknown parameter \"radios\", expected interior, exterior, <bsdf>, <emitter>, center, radius, flip_normals, \
          to_world, silhouette_sampling_weight",
     );
     refused(
@@ -241,10 +237,6 @@ fn refusals_say_where_what_and_what_instead() {
         (
             "<shape type='cube'><bsdf type='diffuse'/><bsdf type='diffuse'/></shape>",
             "<bsdf> was already given",
-        ),
-        (
-            "<shape type='cube'><ref name='interior' id='m'/></shape><medium type='homogeneous' id='m'/>",
-            "not supported",
         ),
         ("<include filename='no.xml'/>", "one that exists"),
         ("<path value='no'/>", "value must be a folder"),
@@ -360,7 +352,7 @@ fn materials_that_make_energy_or_no_sense() {
 #[test]
 fn unsupported_and_unused_is_a_warning() {
     let loaded = good(
-        "<bsdf type='roughconductor' id='glossy'/><medium type='homogeneous' id='fog'/><emitter type='constant'/>",
+        "<bsdf type='roughconductor' id='glossy'/><medium type='specmedium' id='fog'/><emitter type='constant'/>",
     );
     let [glossy, fog] = loaded.warnings.as_slice() else {
         panic!("{:?}", loaded.warnings)
@@ -369,7 +361,10 @@ fn unsupported_and_unused_is_a_warning() {
         glossy.contains("roughconductor is not supported yet") && glossy.contains("left out"),
         "{glossy}"
     );
-    assert!(fog.contains("medium \"fog\" is not supported yet"), "{fog}");
+    assert!(
+        fog.contains("medium specmedium is not supported yet"),
+        "{fog}"
+    );
     assert!(loaded.description.materials.is_empty());
     assert!(bad("<bsdf type='roughconducter'/>").contains("unknown plugin"));
     assert!(good("").warnings[0].ends_with("nothing in the scene emits light"));

@@ -1,4 +1,8 @@
-use super::{majorants, texels_of};
+//! Media in the blob.
+
+mod space;
+
+use super::grids::{majorants, texels_of};
 use crate::compile::{CompileError, compile};
 use crate::description::{
     Description, Emitter, EmitterKind, Geometry, Grid, GridValues, Grids, Lobe, Material, Medium,
@@ -247,7 +251,7 @@ fn numbers_out_of_range_are_refused() {
                 sigma_t: [-1.0, 0.0, 0.0],
                 ..flame()
             },
-            "sigma_t must be in [0, 1e12], found -1",
+            "sigma_t must be 0 or in [1e-12, 1e12], found -1",
         ),
         (
             Medium {
@@ -326,14 +330,14 @@ fn numbers_out_of_range_are_refused() {
         (grids(gray([2, 0, 2], |_| 1.0)), "1 to 4096 texels"),
         (
             grids(gray([2, 2, 2], |i| i as f32 - 3.5)),
-            "extinction must be finite and >= 0, found -3.5",
+            "extinction must be in [0, 1000000000000], found -3.5",
         ),
         (
             Grids {
-                albedo: Some(gray([1, 1, 1], |_| 2.5)),
+                albedo: Some(gray([1, 1, 1], |_| 1.5)),
                 ..grids(gray([1, 1, 1], |_| 1.0))
             },
-            "albedo must be in [0, 2], found 2.5",
+            "albedo must be in [0, 1], found 1.5",
         ),
         (
             Grids {
@@ -358,4 +362,51 @@ fn what_fills_all_space_does_not_emit() {
     d.exterior = Some(0);
     let error = compile(&d).unwrap_err();
     assert!(error.reason.contains("outside all objects"), "{error}");
+}
+
+#[test]
+fn emission_without_absorption_is_found_texel_by_texel() {
+    let dense = gray([2, 1, 2], |i| if i == 2 { 0.0 } else { 1.0 });
+    let with = |emission: Option<Grid>, albedo: Option<Grid>, factor: f32| Medium {
+        albedo: [factor; 3],
+        grids: Some(Grids {
+            emission,
+            albedo,
+            ..grids(dense.clone())
+        }),
+        ..flame()
+    };
+    let flames = gray([2, 1, 2], |i| if i == 1 { 3.0 } else { 0.0 });
+    compile(&ball(with(Some(flames.clone()), None, 0.5))).unwrap();
+    let white = gray([2, 1, 2], |i| if i == 1 { 0.5 } else { 1.0 });
+    compile(&ball(with(Some(flames.clone()), Some(white.clone()), 1.0))).unwrap();
+    compile(&ball(with(
+        Some(flames.clone()),
+        Some(gray([1, 1, 1], |_| 0.5)),
+        1.0,
+    )))
+    .unwrap();
+    let cases = [
+        (with(None, None, 0.5), "at texel (0, 0, 1)"),
+        (
+            with(Some(gray([2, 1, 2], |_| 1.0)), None, 0.5),
+            "at texel (0, 0, 1)",
+        ),
+        (
+            with(Some(gray([1, 1, 1], |_| 1.0)), None, 0.5),
+            "the size and filter",
+        ),
+        (
+            with(Some(flames.clone()), Some(gray([2, 1, 2], |_| 1.0)), 1.0),
+            "at texel (1, 0, 0)",
+        ),
+        (
+            with(Some(flames), Some(gray([1, 1, 1], |_| 1.0)), 1.0),
+            "an albedo that reaches 1",
+        ),
+    ];
+    for (m, expected) in cases {
+        let found = refusal(m);
+        assert!(found.contains(expected), "{found}, expected {expected}");
+    }
 }
