@@ -1,6 +1,7 @@
 //! One change each.
 
-use crate::draft::{BALL, Draft, FLOATS, GLASS, IMAGES, LAMP, SMOOTH};
+use crate::draft::{BALL, Draft, FLOATS, FOG, GLASS, IMAGES, LAMP, SMOOTH, WORDS};
+use crate::media::{grids, media};
 use etendue::blob::Rule;
 use etendue::blob::format::{
     Cell, Choice, Emitter, LANES, Material, NONE, Node, Packet, Sensor, Shape, Sphere, Texture,
@@ -16,7 +17,12 @@ pub struct Break {
     pub change: Box<dyn Fn(&mut Draft)>,
 }
 
-fn broken(rule: Rule, section: u32, index: usize, change: impl Fn(&mut Draft) + 'static) -> Break {
+pub fn broken(
+    rule: Rule,
+    section: u32,
+    index: usize,
+    change: impl Fn(&mut Draft) + 'static,
+) -> Break {
     let (index, change) = (index as u32, Box::new(change));
     Break {
         rule,
@@ -27,7 +33,7 @@ fn broken(rule: Rule, section: u32, index: usize, change: impl Fn(&mut Draft) + 
 }
 
 /// A change of one record.
-fn record<T: bytemuck::Pod>(
+pub fn record<T: bytemuck::Pod>(
     rule: Rule,
     section: u32,
     index: usize,
@@ -52,6 +58,8 @@ pub fn breaks() -> Vec<Break> {
         emitters(),
         environments(),
         choices(),
+        media(),
+        grids(),
     ]
     .into_iter()
     .flatten()
@@ -131,7 +139,9 @@ fn world() -> Vec<Break> {
         w(Rule::WorldBackground, |w| w.background = 99),
         // The lamp.
         w(Rule::WorldBackgroundKind, |w| w.background = 0),
-        w(Rule::WorldExterior, |w| w.exterior = 1 << 20),
+        w(Rule::WorldExterior, |w| w.exterior = 2),
+        // There is a sun.
+        w(Rule::WorldExteriorDistant, |w| w.exterior = FOG as u32),
         w(Rule::WorldReserved, |w| w.reserved[7] = 1),
     ]
 }
@@ -162,7 +172,7 @@ fn sensor() -> Vec<Break> {
         s(Rule::SensorRight, |s| s.right = [0.0; 3]),
         s(Rule::SensorDown, |s| s.down = [1.0; 3]),
         s(Rule::SensorForward, |s| s.forward[0] = f32::NAN),
-        s(Rule::SensorMedium, |s| s.medium = 1 << 20),
+        s(Rule::SensorMedium, |s| s.medium = 2),
         s(Rule::SensorReserved, |s| s.reserved[0] = 1),
     ]
 }
@@ -282,8 +292,8 @@ fn shapes() -> Vec<Break> {
     vec![
         ball(Rule::ShapeFront, |s| s.front = 99),
         ball(Rule::ShapeBack, |s| s.back = 99),
-        ball(Rule::ShapeMedium, |s| s.interior = 1 << 20),
-        ball(Rule::ShapeMedium, |s| s.exterior = 1 << 20),
+        ball(Rule::ShapeMedium, |s| s.interior = 2),
+        ball(Rule::ShapeMedium, |s| s.exterior = 2),
         ball(Rule::ShapeOpacity, |s| s.opacity = 99),
         ball(Rule::ShapeEmitter, |s| s.emitter = 99),
         // The lamp's, and the point light's.
@@ -320,6 +330,11 @@ fn materials() -> Vec<Break> {
     ]
 }
 
+/// The rows of four texels that the grids' words would make.
+pub fn grid_rows() -> u32 {
+    WORDS.iter().sum::<usize>() as u32 / 4
+}
+
 fn textures() -> Vec<Break> {
     let first = |rule, change: fn(&mut Texture)| record(rule, section::TEXTURES, IMAGES[0], change);
     let floats = |rule, change: fn(&mut Texture)| record(rule, section::TEXTURES, FLOATS, change);
@@ -336,7 +351,7 @@ fn textures() -> Vec<Break> {
         floats(Rule::TextureTexels, |t| t.texels = NONE),
         // The other image takes what is left for the floats.
         broken(Rule::TextureBudget, section::TEXTURES, FLOATS, |d| {
-            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 14;
+            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 22 + grid_rows();
         }),
         broken(Rule::TextureFloat, section::TEXTURES, FLOATS, |d| {
             let at = d.record::<Texture>(section::TEXTURES, FLOATS).texels as usize;
@@ -352,6 +367,7 @@ const POINT: usize = 2;
 const SPOT: usize = 3;
 const SUN: usize = 4;
 const SKY: usize = 5;
+const GLOW: usize = 6;
 
 fn emitters() -> Vec<Break> {
     let e = |rule, index, change: fn(&mut Emitter)| record(rule, section::EMITTERS, index, change);
@@ -362,6 +378,11 @@ fn emitters() -> Vec<Break> {
         e(Rule::EmitterDensity, ROUND, |e| e.density = f32::INFINITY),
         e(Rule::EmitterPosition, POINT, |e| e.position[0] = 1.1e12),
         e(Rule::EmitterReserved, SKY, |e| e.reserved[3] = 1),
+        e(Rule::EmitterMedium, SUN, |e| e.medium = 2),
+        e(Rule::VolumeMedium, GLOW, |e| e.medium = NONE),
+        e(Rule::VolumeEdges, GLOW, |e| e.to_local[2][0] = 1.1e12),
+        e(Rule::VolumeEdges, GLOW, |e| e.to_local[2][0] = f32::NAN),
+        e(Rule::VolumeSize, GLOW, |e| e.to_local[1] = e.to_local[0]),
         // Lights that no shape has.
         e(Rule::AreaShape, POINT, |e| {
             (e.kind, e.shape) = (emitter::AREA, NONE)
@@ -384,10 +405,10 @@ fn environments() -> Vec<Break> {
         sky(Rule::EnvironmentHeight, |e| e.height = 1),
         sky(Rule::EnvironmentCube, |e| e.kind = emitter::CUBEMAP),
         sky(Rule::EnvironmentSize, |e| e.width = (1 << 16) + 1),
-        sky(Rule::EnvironmentTexels, |e| e.texels += 1),
+        sky(Rule::EnvironmentTexels, |e| e.texels += 1 + 4 * grid_rows()),
         // A texture takes what is left for the sky.
         broken(Rule::EnvironmentBudget, section::EMITTERS, SKY, |d| {
-            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 5;
+            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 13 + grid_rows();
         }),
         broken(Rule::EnvironmentRadiance, section::EMITTERS, SKY, |d| {
             let at = d.record::<Emitter>(section::EMITTERS, SKY).texels as usize;

@@ -1,9 +1,10 @@
 //! A good blob, and the means to break one thing in it.
 
-use bytemuck::Pod;
-use etendue::blob::format::{Header, Toc};
+use bytemuck::{Pod, Zeroable};
+use etendue::blob::format::{Emitter, Header, NONE, Toc, emitter, medium, section};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::{ColorSource, EmitterKind, Image, Pattern, Texels, Texture, Wrap};
+use etendue_tests::media::{Matter, homogeneous, lobes, records, replaced};
 use etendue_tests::render::blob;
 use etendue_tests::scenes::room;
 
@@ -49,6 +50,45 @@ pub const SMOOTH: usize = 6;
 /// The two spheres' shapes: one of glass, one that shines.
 pub const BALL: usize = 7;
 pub const LAMP: usize = 8;
+
+/// Its media: a grid of three grids, and fog.
+pub const CLOUD: usize = 0;
+pub const FOG: usize = 1;
+/// The words that these media add to the texels: the extinction's, the albedo's, the emission's, the majorants.
+pub const WORDS: [usize; 4] = [8, 6, 4, 2];
+
+fn matter() -> Matter {
+    let mut matter = Matter::default();
+    let extinctions = matter.grid([2, 2, 2], false, |[x, ..]| [1.0 + x as f32]);
+    let albedos = matter.grid([1, 2, 1], true, |_| [0.5, 1.0, 0.25]);
+    let emissions = matter.grid([4, 1, 1], false, |[x, ..]| [x as f32]);
+    let cloud = matter.gridded(extinctions, [0.5; 3], [1.0; 3], [2, 1, 1]);
+    let cloud = &mut matter.media[cloud];
+    (cloud.albedos, cloud.emissions, cloud.emission) = (albedos, emissions, [1.0; 3]);
+    cloud.flags = medium::REGULAR;
+    let mut fog = homogeneous([0.5, 1.0, 0.0], [0.5; 3]);
+    fog.emission = [1.0, 0.0, 0.0];
+    fog.phase = lobes(&[
+        (medium::HENYEY_GREENSTEIN, 0.5, 0.75),
+        (medium::RAYLEIGH, 0.0, 0.25),
+    ]);
+    matter.media.push(fog);
+    matter
+}
+
+/// With a light that is the cloud's glow.
+fn glowing(blob: &AlignedBlob) -> AlignedBlob {
+    let mut emitters: Vec<Emitter> = records(blob, section::EMITTERS);
+    emitters.push(Emitter {
+        kind: emitter::VOLUME,
+        shape: NONE,
+        density: 1.0,
+        to_local: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        medium: CLOUD as u32,
+        ..Emitter::zeroed()
+    });
+    replaced(blob, section::EMITTERS, &emitters)
+}
 
 /// A scene in which no section is empty, and each kind of light but cube maps shines.
 pub fn scene() -> Draft {
@@ -130,5 +170,5 @@ pub fn scene() -> Draft {
     for (shape, texture) in d.shapes.iter_mut().zip(0..4) {
         shape.opacity = Some(ColorSource::Texture(texture));
     }
-    Draft(blob(d))
+    Draft(glowing(&matter().put_into(&blob(d))))
 }
