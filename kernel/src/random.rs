@@ -38,6 +38,8 @@ pub enum Purpose {
     Opacity,
     /// Whether the walk goes on.
     Roulette,
+    /// Which part of a blend.
+    Blend,
 }
 
 /// A source of numbers in [0, 1), never 1.

@@ -15,7 +15,7 @@ mod precision {
     pub use libm::sqrtf as sqrt;
     pub use libm::{
         acosf as acos, asinf as asin, atan2f as atan2, cosf as cos, erff as erf, expf as exp,
-        expm1f as expm1, logf as log, powf as pow, sinf as sin, tanf as tan,
+        expm1f as expm1, log1pf as log1p, logf as log, powf as pow, sinf as sin, tanf as tan,
     };
 
     /// √x by the GPU's own instruction: correctly rounded like libm's, and many times faster than it is there.
@@ -42,7 +42,7 @@ mod precision {
     /// Three `Real`s.
     pub type Vec3 = glam::DVec3;
     pub use core::f64::consts;
-    pub use libm::{acos, asin, atan2, cos, erf, exp, expm1, log, pow, sin, sqrt, tan};
+    pub use libm::{acos, asin, atan2, cos, erf, exp, expm1, log, log1p, pow, sin, sqrt, tan};
 
     /// ξ ∈ [0, 1) from 32 random bits, all of them: the same ξ as in single precision up to rounding,
     /// so that the two precisions walk the same paths.

@@ -116,6 +116,7 @@ fn foreign(hooks: &EtdHooks, subpath: u32, vertex: u32, purpose: Purpose) -> Rea
         Purpose::Direction => 6,
         Purpose::Opacity => 7,
         Purpose::Roulette => 8,
+        Purpose::Blend => 9,
     };
     let Some(random) = hooks.random else {
         return 0.0;

@@ -119,8 +119,9 @@ impl<S: Spectrum> Walk<S> {
         }
         match trace.meet(self.ray, sampler) {
             Meeting::Surface(point, distance) => {
+                let previous = -self.ray.direction;
                 let mut vertex =
-                    Vertex::new(trace.scene, point, -self.ray.direction, self.throughput);
+                    Vertex::new(trace.scene, point, previous, self.throughput, sampler);
                 let cos = point.normal.dot(self.ray.direction).abs();
                 let inverse_square = 1.0 / square(distance);
                 let forward = self.pdf * cos * if self.parallel { 1.0 } else { inverse_square };
