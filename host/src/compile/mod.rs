@@ -3,6 +3,7 @@
 mod alias;
 pub mod bvh;
 mod emitters;
+mod glossy;
 mod surfaces;
 mod writer;
 

@@ -4,6 +4,7 @@ mod bsdf;
 mod constants;
 mod document;
 mod emitter;
+mod glossy;
 mod node;
 mod plugin;
 mod sensor;
