@@ -18,10 +18,7 @@ fn image(kind: u32, flags: u32, width: u32, height: u32) -> Texture {
         reserved: 0,
         to_uv: IDENTITY,
         color: [[1.0; 3]; 2],
-        gloss: [0.25, 0.5],
-        internal: 0.5,
-        link: [0; 2],
-        level: 0,
+        reserved2: [0; 6],
     }
 }
 
