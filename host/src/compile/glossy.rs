@@ -89,7 +89,7 @@ fn scattered(
             let share = share(cos);
             let wi = h * (2.0 * cos) - w;
             if wi.z > 0.0 {
-                let masked = facets.masking_over_cosines(w, wi, h) * wi.z * area;
+                let masked = facets.masking_over_cosines(w, wi, h, cos) * wi.z * area;
                 reflected += share.reflected * masked;
             }
             // The refracted direction's opposite.

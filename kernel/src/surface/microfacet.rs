@@ -87,8 +87,8 @@ impl Microfacets {
         if a > 0.0 { w.z / a } else { 0.0 }
     }
 
-    /// G₂/(|cos θ_o||cos θ_i|) of two directions on one side, h between them.
-    pub fn masking_over_cosines(&self, wo: Vec3, wi: Vec3, h: Vec3) -> Real {
+    /// G₂/(|cos θ_o||cos θ_i|) of two directions on one side, h between them; `cos` is either's to h.
+    pub fn masking_over_cosines(&self, wo: Vec3, wi: Vec3, h: Vec3, cos: Real) -> Real {
         let g = match self.masking {
             Masking::Separable => self.separable_over_cosines(wo, wi),
             Masking::Correlated => {
@@ -101,7 +101,7 @@ impl Microfacets {
                 } else {
                     (wi.z, wo.z)
                 };
-                (1.0 / low).min(2.0 * h.z / wo.dot(h)) / high
+                (1.0 / low).min(2.0 * h.z / cos) / high
             }
         };
         if g.is_finite() { g } else { 0.0 }
@@ -115,15 +115,15 @@ impl Microfacets {
 
     /// f over Fresnel's share, D·G₂/(4|cos θ_o||cos θ_i|), and cos of the angle between either direction and h.
     pub fn reflection(&self, wo: Vec3, wi: Vec3) -> Option<(Real, Real)> {
-        let h = halfway(wo, wi)?;
-        let f = 0.25 * self.density(h) * self.masking_over_cosines(wo, wi, h);
-        Some((f, wo.dot(h)))
+        let (h, cos) = halfway(wo, wi)?;
+        let f = 0.25 * self.density(h) * self.masking_over_cosines(wo, wi, h, cos);
+        Some((f, cos))
     }
 
     /// Density per solid angle of drawing `wi` as the reflection of `w` by a facet that `w` sees: D/4A.
     pub fn reflection_pdf(&self, w: Vec3, wi: Vec3) -> Real {
         let pdf = match halfway(w, wi) {
-            Some(h) => 0.25 * self.density(h) / self.area(w),
+            Some((h, _)) => 0.25 * self.density(h) / self.area(w),
             None => 0.0,
         };
         if pdf.is_finite() { pdf } else { 0.0 }
@@ -160,11 +160,11 @@ impl Microfacets {
     }
 }
 
-/// The unit vector in the middle.
-fn halfway(a: Vec3, b: Vec3) -> Option<Vec3> {
+/// The unit vector in the middle, and the cosine to it, half the sum's length.
+fn halfway(a: Vec3, b: Vec3) -> Option<(Vec3, Real)> {
     let sum = a + b;
     let length = sqrt(sum.dot(sum));
-    (length > 0.0).then(|| sum * (1.0 / length))
+    (length > 0.0).then(|| (sum * (1.0 / length), (0.5 * length).min(1.0)))
 }
 
 /// A normal of GGX with α = 1 that `w` sees: w plus a direction of a spherical cap (Dupuy & Benyoub 2023, listing 3). Of the

@@ -75,7 +75,10 @@ impl<S: Spectrum> Phong<S> {
     }
 
     fn lobes(&self, w: Vec3) -> Lobes {
+        /// A direction that no light would leave by refraction may still lie in a lobe: no probability is 0 for Fresnel's sake.
+        const LEAST: Real = 0.1;
         let (r, t) = self.shares(w);
+        let (r, t) = (r + LEAST, t + LEAST);
         let r = r * self.reflectance.max_channel();
         let t = t * self.transmittance.max_channel();
         let d = self.diffuse.reflectance.max_channel() + self.diffuse.transmittance.max_channel();

@@ -301,7 +301,8 @@ fn materials_multiply_their_textures() {
                 Surface::Plastic(p) => {
                     // k/(η²(1 − ρ_i)).
                     let base = channels(p.base).map(|b| b * 1.25 * 1.25 * 0.5);
-                    assert_eq!(base, expected[0]);
+                    let close = |i: usize| (base[i] - expected[0][i]).abs() < 1e-6;
+                    assert!((0..3).all(close), "{base:?}");
                     (material::PLASTIC, vec![])
                 }
                 Surface::RoughPlastic(p) => {
