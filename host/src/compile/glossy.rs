@@ -83,20 +83,22 @@ fn scattered(
         let phi = (azimuth as f32 + 0.5) / azimuths as f32 * 0.5 * PI;
         let w = Vec3::new(sin * phi.cos(), sin * phi.sin(), cos);
         let area = facets.area(w);
-        for xi in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| [at(i), at(j)])) {
-            let h = facets.sample(w, xi);
+        for (t, turn) in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (at(i), at(j)))) {
+            // Denser towards ξ = 1, where the few facets are that lean a lot.
+            let weight = 3.0 * t * t;
+            let h = facets.sample(w, [1.0 - t * t * t, turn]);
             let cos = w.dot(h);
             let share = share(cos);
             let wi = h * (2.0 * cos) - w;
             if wi.z > 0.0 {
                 let masked = facets.masking_over_cosines(w, wi, h, cos) * wi.z * area;
-                reflected += share.reflected * masked;
+                reflected += weight * share.reflected * masked;
             }
             // The refracted direction's opposite.
             let wt = h * (share.cos_t - back * cos) + w * back;
             if share.transmitted > 0.0 && wt.z > 0.0 {
                 let masked = facets.separable_over_cosines(w, wt) * wt.z * area;
-                transmitted += share.transmitted * masked;
+                transmitted += weight * share.transmitted * masked;
             }
         }
     }

@@ -2,7 +2,7 @@
 //! Cook & Torrance 1982). Reciprocal.
 //!
 //! Light that would hit a second facet is lost. Of a white conductor (F = 1, GGX, correlated masking) single scattering leaves, at
-//! cos θ = 1 and 0.3: 0.987 and 0.96 for α = 0.1, 0.69 and 0.75 for 0.5, 0.31 and 0.56 for 1 (`tests/truth/bsdf/loss.rs`).
+//! cos θ = 1 and 0.3: 0.988 and 0.936 for α = 0.1, 0.69 and 0.75 for 0.5, 0.31 and 0.56 for 1 (`tests/truth/bsdf/loss.rs`).
 //! A compensated conductor gives it back by a second lobe that has the shape of what is lost, ℓ_o·ℓ_i/(π·mean ℓ), and a colour of
 //! at least two reflections, F̄²Ē/(1 − F̄(1 − Ē)) (Kulla & Conty 2017; the square is Hill's, 2018).
 

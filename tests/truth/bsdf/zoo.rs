@@ -323,10 +323,17 @@ pub fn cells(glossy: bool, f: impl Fn(Vec3) -> [f64; 3]) -> Vec<[f64; 3]> {
         let mut sum = [0.0; 3];
         for (i, j) in (0..fine).flat_map(|i| (0..fine).map(move |j| (i, j))) {
             let at = |k: usize, i: usize| k as f64 + (i as f64 + 0.5) / fine as f64;
-            let cos = 2.0 * at(row, i) / ROWS as f64 - 1.0;
+            // In the polar rows, steps of θ rather than of cos θ.
+            let t = at(0, i);
+            let (row_at, weight) = match row {
+                0 => (t * t, 2.0 * t),
+                row if row + 1 == ROWS => (1.0 - (1.0 - t) * (1.0 - t), 2.0 * (1.0 - t)),
+                _ => (t, 1.0),
+            };
+            let cos = 2.0 * (row as f64 + row_at) / ROWS as f64 - 1.0;
             let phi = std::f64::consts::TAU * at(column, j) / COLUMNS as f64;
             for (sum, f) in sum.iter_mut().zip(f(direction(cos, phi))) {
-                *sum += f;
+                *sum += weight * f;
             }
         }
         let area = 2.0 * std::f64::consts::TAU / (ROWS * COLUMNS * fine * fine) as f64;
