@@ -26,12 +26,9 @@ impl Curve {
 
     /// The one that begins at word `first`; 0 if there is none.
     pub fn read(words: &[u32], first: u32) -> Self {
-        let mut curve = Self::ZERO;
         let words = words.get(first as usize..).unwrap_or_default();
-        for (four, word) in curve.0.chunks_exact_mut(4).zip(words) {
-            four.copy_from_slice(&word.to_le_bytes());
-        }
-        curve
+        let byte = |i: usize| words.get(i / 4).map_or(0, |w| (w >> (8 * (i % 4))) as u8);
+        Self(core::array::from_fn(byte))
     }
 
     /// At `cos` ∈ [0, 1].
