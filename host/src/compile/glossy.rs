@@ -71,8 +71,9 @@ fn scattered(
     share: impl Fn(f32) -> fresnel::Dielectric,
     back: f32,
 ) -> Scattered {
-    const STEPS: u32 = 32;
-    let at = |i: u32| (i as f32 + 0.5) / STEPS as f32;
+    const STEPS: u32 = 64;
+    const TURNS: u32 = 32;
+    let at = |i: u32, count: u32| (i as f32 + 0.5) / count as f32;
     let [u, v] = facets.alpha;
     let azimuths = if u == v { 1 } else { 4 };
     // In the tangent plane nothing is seen but its limit.
@@ -83,10 +84,11 @@ fn scattered(
         let phi = (azimuth as f32 + 0.5) / azimuths as f32 * 0.5 * PI;
         let w = Vec3::new(sin * phi.cos(), sin * phi.sin(), cos);
         let area = facets.area(w);
-        for (t, turn) in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (at(i), at(j)))) {
-            // Denser towards ξ = 1, where the few facets are that lean a lot.
-            let weight = 3.0 * t * t;
-            let h = facets.sample(w, [1.0 - t * t * t, turn]);
+        for (i, j) in (0..STEPS).flat_map(|i| (0..TURNS).map(move |j| (i, j))) {
+            // Denser towards the ends of ξ, where the few facets are that lean a lot.
+            let t = at(i, STEPS);
+            let weight = 6.0 * t * (1.0 - t);
+            let h = facets.sample(w, [t * t * (3.0 - 2.0 * t), at(j, TURNS)]);
             let cos = w.dot(h);
             let share = share(cos);
             let wi = h * (2.0 * cos) - w;
@@ -102,7 +104,7 @@ fn scattered(
             }
         }
     }
-    let scale = 1.0 / (azimuths * STEPS * STEPS) as f32;
+    let scale = 1.0 / (azimuths * STEPS * TURNS) as f32;
     Scattered {
         reflected: reflected * scale,
         transmitted: transmitted * scale,

@@ -323,9 +323,10 @@ pub fn cells(glossy: bool, f: impl Fn(Vec3) -> [f64; 3]) -> Vec<[f64; 3]> {
         let mut sum = [0.0; 3];
         for (i, j) in (0..fine).flat_map(|i| (0..fine).map(move |j| (i, j))) {
             let at = |k: usize, i: usize| k as f64 + (i as f64 + 0.5) / fine as f64;
-            // In the polar rows, steps of θ rather than of cos θ.
+            // Narrow lobes in the polar rows: steps of θ rather than of cos θ.
             let t = at(0, i);
             let (row_at, weight) = match row {
+                _ if !glossy => (t, 1.0),
                 0 => (t * t, 2.0 * t),
                 row if row + 1 == ROWS => (1.0 - (1.0 - t) * (1.0 - t), 2.0 * (1.0 - t)),
                 _ => (t, 1.0),
