@@ -234,7 +234,7 @@ fn inverse_erf(x: Real) -> Real {
     #[rustfmt::skip]
     const TAIL: [Real; 9] = [
         -2.002_142_6e-4, 1.009_505_6e-4, 1.349_343_2e-3, -3.673_428_4e-3, 5.739_507_7e-3, -7.622_461_3e-3,
-        9.438_870_5e-3, 1.001_674_06, 2.832_976_8,
+        9.438_870_5e-3, 1.001_674, 2.832_976_8,
     ];
     let horner = |terms: &[Real; 9], t: Real| terms.iter().fold(0.0, |sum, c| sum * t + c);
     let rest = (1.0 - x) * (1.0 + x);
