@@ -7,7 +7,8 @@
 //!
 //! Light that would hit a second facet is lost, ℓ(cos θ) of what comes on either side. A compensated dielectric gives it
 //! back on both sides by a lobe that forgets where light came from: f = η_o²·ℓ_i·ℓ_o/(π·Σ η²·mean ℓ), the sum over sides.
-//! It is the one that conserves energy, is symmetric but for η_o² and has the shape of Kulla & Conty 2017.
+//! It is the one that conserves energy (to 1.5 %, the curves' precision; conductors to 1 %), is symmetric but for η_o² and has the shape of
+//! Kulla & Conty 2017.
 
 use super::curve::Curve;
 use super::microfacet::Microfacets;
