@@ -317,47 +317,75 @@ fn glossy() -> Vec<Specimen> {
 pub const ROWS: usize = 16;
 pub const COLUMNS: usize = 12;
 
-/// ∫ f dσ over each cell, by the midpoint rule, halved until it stays.
+/// ∫ f dσ over each cell by the midpoint rule; where there may be lobes, by halves wherever that changes it.
 pub fn cells(glossy: bool, f: impl Fn(Vec3) -> [f64; 3]) -> Vec<[f64; 3]> {
-    let rule = |row: usize, column: usize, fine: usize| {
-        let mut sum = [0.0; 3];
-        for (i, j) in (0..fine).flat_map(|i| (0..fine).map(move |j| (i, j))) {
-            let at = |k: usize, i: usize| k as f64 + (i as f64 + 0.5) / fine as f64;
-            // Narrow lobes in the polar rows: steps of θ rather than of cos θ.
-            let t = at(0, i);
-            let (row_at, weight) = match row {
-                _ if !glossy => (t, 1.0),
-                0 => (t * t, 2.0 * t),
-                row if row + 1 == ROWS => (1.0 - (1.0 - t) * (1.0 - t), 2.0 * (1.0 - t)),
-                _ => (t, 1.0),
-            };
-            let cos = 2.0 * (row as f64 + row_at) / ROWS as f64 - 1.0;
-            let phi = std::f64::consts::TAU * at(column, j) / COLUMNS as f64;
-            for (sum, f) in sum.iter_mut().zip(f(direction(cos, phi))) {
-                *sum += weight * f;
-            }
-        }
-        let area = 2.0 * std::f64::consts::TAU / (ROWS * COLUMNS * fine * fine) as f64;
-        sum.map(|s| s * area)
-    };
     (0..ROWS * COLUMNS)
         .map(|cell| {
             let (row, column) = (cell / COLUMNS, cell % COLUMNS);
-            let mut fine = if glossy { 8 } else { 4 };
-            let mut sum = rule(row, column, fine);
-            while glossy && fine < 128 {
-                fine *= 2;
-                let finer = rule(row, column, fine);
-                let change = |i: usize| (finer[i] - sum[i]).abs();
-                let done = (0..3).all(|i| change(i) < 2e-6);
-                sum = finer;
-                if done && fine > 16 {
-                    break;
-                }
+            let part = Part {
+                row,
+                column,
+                low: [0.0; 2],
+                side: 1.0,
+            };
+            if !glossy {
+                return part.rule(&f);
             }
-            sum
+            let parts = part.quarters().into_iter().flat_map(|p| p.quarters());
+            parts.fold([0.0; 3], |sum, p| add(sum, p.adapted(&f, p.rule(&f), 8)))
         })
         .collect()
+}
+
+fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] + b[i])
+}
+
+/// A square part of a cell, in units of it.
+#[derive(Clone, Copy)]
+struct Part {
+    row: usize,
+    column: usize,
+    low: [f64; 2],
+    side: f64,
+}
+
+impl Part {
+    fn quarters(self) -> [Self; 4] {
+        std::array::from_fn(|i| Self {
+            low: [0, 1].map(|axis| self.low[axis] + 0.5 * self.side * (i >> axis & 1) as f64),
+            side: 0.5 * self.side,
+            ..self
+        })
+    }
+
+    /// Four by four midpoints.
+    fn rule(self, f: &impl Fn(Vec3) -> [f64; 3]) -> [f64; 3] {
+        const FINE: usize = 4;
+        let mut sum = [0.0; 3];
+        for (i, j) in (0..FINE).flat_map(|i| (0..FINE).map(move |j| (i, j))) {
+            let at =
+                |axis: usize, i: usize| self.low[axis] + self.side * (i as f64 + 0.5) / FINE as f64;
+            let cos = 2.0 * (self.row as f64 + at(0, i)) / ROWS as f64 - 1.0;
+            let phi = std::f64::consts::TAU * (self.column as f64 + at(1, j)) / COLUMNS as f64;
+            sum = add(sum, f(direction(cos, phi)));
+        }
+        let cells = (ROWS * COLUMNS * FINE * FINE) as f64;
+        sum.map(|s| s * 2.0 * std::f64::consts::TAU * self.side * self.side / cells)
+    }
+
+    fn adapted(self, f: &impl Fn(Vec3) -> [f64; 3], whole: [f64; 3], depth: u32) -> [f64; 3] {
+        let quarters = self.quarters().map(|q| (q, q.rule(f)));
+        let sum = quarters.iter().fold([0.0; 3], |sum, q| add(sum, q.1));
+        let stays = (0..3).all(|i| (sum[i] - whole[i]).abs() < 1e-7);
+        if stays || depth == 0 {
+            return sum;
+        }
+        let parts = quarters.iter();
+        parts.fold([0.0; 3], |sum, (q, r)| {
+            add(sum, q.adapted(f, *r, depth - 1))
+        })
+    }
 }
 
 /// From straight above to grazing, on both sides.
