@@ -49,7 +49,8 @@ fn albedo_is_at_most_one() {
     }
 }
 
-/// The furnace: walks carry the albedo on average, in both modes once η² is divided out.
+/// The furnace: walks carry the albedo on average, in both modes once η² is divided out; from the sensor only where f is
+/// reciprocal.
 #[test]
 fn walks_carry_the_albedo() {
     const WALKS: u32 = 20_000;
@@ -59,6 +60,9 @@ fn walks_carry_the_albedo() {
         for w in directions() {
             let truth = albedo(&specimen, w);
             for mode in MODES {
+                if specimen.reciprocal.is_none() && mode == Mode::Radiance {
+                    continue;
+                }
                 let mut moments = [Moments::default(); 3];
                 for _ in 0..WALKS {
                     let s = random.scatter(&specimen.surface, w, mode);
