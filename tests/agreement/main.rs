@@ -98,6 +98,52 @@ fn objects() {
 }
 
 #[test]
+fn glossy() {
+    scenes::glossy()
+        .iter()
+        .for_each(|(name, d, complete)| agree(name, d, *complete, None));
+}
+
+/// A blend shows the mixture of what its parts show alone, at first sight and by one light.
+#[test]
+fn blends_are_mixtures() {
+    let with = |weight: f32| {
+        let mut b = etendue_tests::scenes::Builder::new().camera(
+            [0.0, -3.0, 1.6],
+            [0.0, 0.0, 0.3],
+            [0.0, 0.0, 1.0],
+            40.0,
+            [16, 16],
+        );
+        let parts = [b.diffuse([0.8, 0.2, 0.2]), b.diffuse([0.1, 0.3, 0.9])];
+        let weight = etendue_host::description::ColorSource::Constant([weight; 3]);
+        let blend = b.material(etendue_host::description::Model::Blend { parts, weight });
+        let size = [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+        b.quad([-1.0, -1.0, 0.0], size[0], size[1], Some(blend));
+        b.light(etendue_host::description::EmitterKind::Point {
+            position: [0.7, -0.8, 1.5],
+            intensity: [2.0; 3],
+        });
+        estimates(
+            &b.description,
+            Estimator::Path,
+            Heuristic::Power,
+            Some(2),
+            40,
+        )
+    };
+    let [first, second, mixed] = [0.0, 1.0, 0.3].map(with);
+    for (i, mixed) in mixed.iter().enumerate() {
+        let truth = 0.7 * first[i].mean + 0.3 * second[i].mean;
+        let error = mixed.error.hypot(first[i].error).hypot(second[i].error);
+        assert!(
+            (mixed.mean - truth).abs() < Z * error + 1e-6 * truth,
+            "{i}: {mixed:?} for {truth}"
+        );
+    }
+}
+
+#[test]
 fn lights() {
     scenes::lights()
         .iter()
@@ -205,7 +251,9 @@ fn spheres_and_their_meshes() {
 /// Single against double precision, which share their random numbers.
 #[test]
 fn precisions() {
-    for (name, d, _) in scenes::objects().iter().chain(&scenes::lights()) {
+    let glossy = scenes::glossy();
+    let (objects, lights) = (scenes::objects(), scenes::lights());
+    for (name, d, _) in objects.iter().chain(&lights).chain(&glossy) {
         let bytes = blob(d);
         let scene = Scene::open(bytes.bytes()).unwrap();
         let wide = etendue_f64::Scene::open(bytes.bytes()).unwrap();

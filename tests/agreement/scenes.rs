@@ -2,7 +2,8 @@
 
 use super::Complete::{self, FromLight, FromSensor};
 use etendue_host::description::{
-    ColorSource, Description, EmitterKind, Filter, Geometry, Mesh, Model, Projection,
+    ColorSource, Description, Distribution, EmitterKind, Facets, Filter, Geometry, Masking, Mesh,
+    Model, Projection,
 };
 use etendue_tests::scenes::{Builder, V, room};
 
@@ -175,6 +176,126 @@ pub fn objects() -> Vec<Named> {
             .emission = Some([1.0; 3]);
     });
     all.push(("coloured sheet and gold", b.description, FromSensor));
+    all
+}
+
+/// Glossy things of every kind; all but a blend's mirror and plastic's coat are smooth enough for light tracing.
+pub fn glossy() -> Vec<Named> {
+    let constant = |c: f32| ColorSource::Constant([c; 3]);
+    let facets = |alpha: f32, distribution, masking, compensated| Facets {
+        alpha: [alpha; 2],
+        distribution,
+        masking,
+        compensated,
+    };
+    let mut all: Vec<Named> = Vec::new();
+    let b = room(|b| {
+        let gold = b.material(Model::RoughConductor {
+            eta: [0.14, 0.37, 1.44],
+            k: [3.98, 2.39, 1.6],
+            reflectance: constant(1.0),
+            facets: facets(0.4, Distribution::Ggx, Masking::Correlated, true),
+        });
+        let steel = b.material(Model::RoughConductor {
+            eta: [0.0; 3],
+            k: [1.0; 3],
+            reflectance: constant(0.7),
+            facets: facets(0.3, Distribution::Beckmann, Masking::Separable, false),
+        });
+        let plastic = b.material(Model::Plastic {
+            ior: 1.5,
+            diffuse_reflectance: ColorSource::Constant([0.2, 0.3, 0.8]),
+            reflectance: constant(1.0),
+            nonlinear: true,
+            facets: Some(facets(0.3, Distribution::Ggx, Masking::Separable, false)),
+        });
+        let phong = b.material(Model::Phong {
+            diffuse_reflectance: ColorSource::Constant([0.4, 0.2, 0.1]),
+            reflectance: constant(0.5),
+            transmittance: constant(0.0),
+            diffuse_transmittance: constant(0.0),
+            exponent: 20.0,
+            modified: true,
+            ior: 1.0,
+            fresnel: false,
+        });
+        b.quad(
+            [-1.0, -1.0, 0.01],
+            [2.0, 0.0, 0.0],
+            [0.0, 2.0, 0.0],
+            Some(steel),
+        );
+        b.sphere([-0.5, 0.1, 0.35], 0.3, Some(gold));
+        b.sphere([0.45, -0.1, 0.3], 0.3, Some(plastic));
+        b.cuboid([-0.2, 0.3, 0.0], [0.2, 0.6, 0.9], false, Some(phong));
+    });
+    all.push(("metals, plastic and Phong", b.description, FromLight));
+    let b = room(|b| {
+        let ground = b.material(Model::RoughDielectric {
+            ior: 1.5,
+            reflectance: constant(1.0),
+            transmittance: constant(1.0),
+            facets: facets(0.4, Distribution::Ggx, Masking::Separable, true),
+        });
+        let dull = b.material(Model::Phong {
+            diffuse_reflectance: constant(0.0),
+            reflectance: constant(1.0),
+            transmittance: ColorSource::Constant([0.9, 0.8, 0.6]),
+            diffuse_transmittance: constant(0.0),
+            exponent: 20.0,
+            modified: true,
+            ior: 1.4,
+            fresnel: true,
+        });
+        let sheet = b.material(Model::Phong {
+            diffuse_reflectance: constant(0.2),
+            reflectance: constant(0.2),
+            transmittance: constant(0.4),
+            diffuse_transmittance: constant(0.1),
+            exponent: 30.0,
+            modified: true,
+            ior: 1.0,
+            fresnel: false,
+        });
+        b.sphere([-0.45, 0.1, 0.4], 0.35, Some(ground));
+        b.cuboid([0.2, -0.2, 0.05], [0.7, 0.3, 0.6], false, Some(dull));
+        b.quad(
+            [-0.9, -0.4, 1.1],
+            [1.8, 0.0, 0.0],
+            [0.0, 1.0, 0.2],
+            Some(sheet),
+        );
+    });
+    all.push((
+        "ground glass, Phong glass and sheet",
+        b.description,
+        FromLight,
+    ));
+    let b = room(|b| {
+        let varnish = b.material(Model::Plastic {
+            ior: 1.5,
+            diffuse_reflectance: constant(0.6),
+            reflectance: constant(1.0),
+            nonlinear: false,
+            facets: None,
+        });
+        let mirror = b.mirror(0.9);
+        let red = b.diffuse([0.8, 0.2, 0.2]);
+        let half = b.material(Model::Blend {
+            parts: [red, mirror],
+            weight: constant(0.4),
+        });
+        let nested = b.material(Model::Blend {
+            parts: [half, varnish],
+            weight: constant(0.5),
+        });
+        b.cuboid([-0.6, 0.0, 0.0], [-0.1, 0.5, 0.9], false, Some(half));
+        b.sphere([0.45, -0.1, 0.3], 0.3, Some(nested));
+        // A lamp large enough for a path tracer's caustics.
+        b.quad([-0.9, -0.9, 1.9], [0.0, 1.8, 0.0], [1.8, 0.0, 0.0], None)
+            .emission = Some([1.0; 3]);
+    });
+    all.push(("blends and varnish", b.description, FromSensor));
     all
 }
 

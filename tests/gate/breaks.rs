@@ -1,6 +1,9 @@
 //! One change each.
 
-use crate::draft::{BALL, Draft, FLOATS, FOG, GLASS, IMAGES, LAMP, SMOOTH, WORDS};
+use crate::draft::{
+    BALL, BLEND, BLENDS, Draft, FLOATS, FOG, GLASS, GROUND, IMAGES, LAMP, METAL, PHONG, PLASTIC,
+    SMOOTH, WORDS,
+};
 use crate::media::{grids, media};
 use etendue::blob::Rule;
 use etendue::blob::format::{
@@ -54,6 +57,7 @@ pub fn breaks() -> Vec<Break> {
         geometry(),
         shapes(),
         materials(),
+        glossy(),
         textures(),
         emitters(),
         environments(),
@@ -308,7 +312,7 @@ fn shapes() -> Vec<Break> {
 fn materials() -> Vec<Break> {
     let m = |rule, change: fn(&mut Material)| record(rule, section::MATERIALS, GLASS, change);
     vec![
-        m(Rule::MaterialKind, |m| m.kind = 6),
+        m(Rule::MaterialKind, |m| m.kind = 12),
         m(Rule::MaterialFlags, |m| m.flags = 2),
         record(
             Rule::MaterialFlags,
@@ -326,7 +330,42 @@ fn materials() -> Vec<Break> {
         m(Rule::MaterialEta, |m| m.eta[0] = -1.0),
         m(Rule::MaterialK, |m| m.k[2] = 2e6),
         m(Rule::MaterialReserved, |m| m.reserved = 1),
-        m(Rule::MaterialReserved, |m| m.reserved2[5] = 1),
+        m(Rule::MaterialReserved, |m| m.gloss[1] = 0.5),
+        m(Rule::MaterialReserved, |m| m.internal = 0.5),
+        m(Rule::MaterialReserved, |m| m.link[1] = 1),
+        m(Rule::MaterialReserved, |m| m.level = 1),
+    ]
+}
+
+fn glossy() -> Vec<Break> {
+    let m = |rule, at, change: fn(&mut Material)| record(rule, section::MATERIALS, at, change);
+    vec![
+        m(Rule::MaterialFlags, PHONG, |m| m.flags = 2),
+        m(Rule::MaterialFlags, GROUND, |m| m.flags = 4),
+        m(Rule::MaterialFlags, BLEND, |m| m.flags = 1),
+        m(Rule::MaterialExponent, PHONG, |m| m.gloss[0] = 1.1e5),
+        m(Rule::MaterialExponent, PHONG, |m| m.gloss[0] = f32::NAN),
+        m(Rule::MaterialNormalization, PHONG, |m| m.gloss[1] *= 1.01),
+        m(Rule::MaterialNormalization, PHONG, |m| m.gloss[1] = 0.0),
+        m(Rule::MaterialRoughness, METAL, |m| m.gloss[0] = 0.0),
+        m(Rule::MaterialRoughness, GROUND, |m| m.gloss[1] = f32::NAN),
+        m(Rule::MaterialRoughness, PLASTIC, |m| m.gloss[1] = 11.0),
+        m(Rule::MaterialRoughIor, GROUND, |m| m.ior = 1.005),
+        m(Rule::MaterialInternal, PLASTIC, |m| m.internal = 1.0),
+        m(Rule::MaterialInternal, PLASTIC, |m| m.internal = -0.1),
+        m(Rule::MaterialCurve, METAL, |m| m.link[0] = NONE),
+        m(Rule::MaterialCurve, GROUND, |m| m.link[1] = 1 << 20),
+        m(Rule::MaterialCurve, PLASTIC, |m| m.link[0] = 1 << 20),
+        m(Rule::MaterialReserved, METAL, |m| m.link[1] = 1),
+        m(Rule::MaterialReserved, METAL, |m| m.flags = 0),
+        m(Rule::MaterialReserved, METAL, |m| m.internal = 0.5),
+        m(Rule::MaterialPart, BLEND, |m| m.link[0] = 99),
+        m(Rule::MaterialPart, BLEND, |m| m.link[1] = NONE),
+        m(Rule::MaterialLevel, BLEND, |m| m.level = 0),
+        m(Rule::MaterialLevel, BLENDS, |m| m.level = 9),
+        m(Rule::MaterialLevel, BLENDS, |m| m.level = 1),
+        // Within itself.
+        m(Rule::MaterialLevel, BLEND, |m| m.link[0] = BLEND as u32),
     ]
 }
 
@@ -351,7 +390,7 @@ fn textures() -> Vec<Break> {
         floats(Rule::TextureTexels, |t| t.texels = NONE),
         // The other image takes what is left for the floats.
         broken(Rule::TextureBudget, section::TEXTURES, FLOATS, |d| {
-            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 22 + grid_rows();
+            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 18 + grid_rows();
         }),
         broken(Rule::TextureFloat, section::TEXTURES, FLOATS, |d| {
             let at = d.record::<Texture>(section::TEXTURES, FLOATS).texels as usize;
@@ -367,7 +406,7 @@ const POINT: usize = 2;
 const SPOT: usize = 3;
 const SUN: usize = 4;
 const SKY: usize = 5;
-const GLOW: usize = 6;
+pub const GLOW: usize = 6;
 
 fn emitters() -> Vec<Break> {
     let e = |rule, index, change: fn(&mut Emitter)| record(rule, section::EMITTERS, index, change);
@@ -408,7 +447,7 @@ fn environments() -> Vec<Break> {
         sky(Rule::EnvironmentTexels, |e| e.texels += 1 + 4 * grid_rows()),
         // A texture takes what is left for the sky.
         broken(Rule::EnvironmentBudget, section::EMITTERS, SKY, |d| {
-            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 13 + grid_rows();
+            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 9 + grid_rows();
         }),
         broken(Rule::EnvironmentRadiance, section::EMITTERS, SKY, |d| {
             let at = d.record::<Emitter>(section::EMITTERS, SKY).texels as usize;

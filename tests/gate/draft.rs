@@ -3,10 +3,13 @@
 use bytemuck::{Pod, Zeroable};
 use etendue::blob::format::{Emitter, Header, NONE, Toc, emitter, medium, section};
 use etendue_host::blob::AlignedBlob;
-use etendue_host::description::{ColorSource, EmitterKind, Image, Pattern, Texels, Texture, Wrap};
+use etendue_host::description::{
+    ColorSource, Distribution, EmitterKind, Facets, Image, Masking, Model, Pattern, Texels,
+    Texture, Wrap,
+};
 use etendue_tests::media::{Matter, homogeneous, lobes, records, replaced};
 use etendue_tests::render::blob;
-use etendue_tests::scenes::room;
+use etendue_tests::scenes::{Builder, room};
 
 /// A blob that is being changed.
 pub struct Draft(pub AlignedBlob);
@@ -42,6 +45,13 @@ impl Draft {
 
 /// Materials of the scene below, by their place in its blob.
 pub const GLASS: usize = 3;
+/// One of each kind that has numbers of its own.
+pub const PHONG: usize = 4;
+pub const METAL: usize = 5;
+pub const GROUND: usize = 6;
+pub const PLASTIC: usize = 7;
+pub const BLEND: usize = 8;
+pub const BLENDS: usize = 9;
 /// Textures: a checkerboard, two small images, one of the same size as the sky.
 pub const IMAGES: [usize; 2] = [1, 2];
 pub const FLOATS: usize = 3;
@@ -90,10 +100,62 @@ fn glowing(blob: &AlignedBlob) -> AlignedBlob {
     replaced(blob, section::EMITTERS, &emitters)
 }
 
+fn glossy(b: &mut Builder) {
+    let grey = ColorSource::Constant([0.25; 3]);
+    let facets = Facets {
+        alpha: [0.3; 2],
+        distribution: Distribution::Ggx,
+        masking: Masking::Correlated,
+        compensated: true,
+    };
+    let made = [
+        Model::Phong {
+            diffuse_reflectance: grey,
+            reflectance: grey,
+            transmittance: grey,
+            diffuse_transmittance: grey,
+            exponent: 1e5,
+            modified: true,
+            ior: 1.5,
+            fresnel: false,
+        },
+        Model::RoughConductor {
+            eta: [0.0; 3],
+            k: [1.0; 3],
+            reflectance: grey,
+            facets,
+        },
+        Model::RoughDielectric {
+            ior: 1.5,
+            reflectance: grey,
+            transmittance: grey,
+            facets,
+        },
+        Model::Plastic {
+            ior: 1.5,
+            diffuse_reflectance: grey,
+            reflectance: grey,
+            nonlinear: true,
+            facets: Some(facets),
+        },
+        Model::Blend {
+            parts: [GLASS, PHONG],
+            weight: grey,
+        },
+        Model::Blend {
+            parts: [BLEND, METAL],
+            weight: grey,
+        },
+    ]
+    .map(|model| b.material(model));
+    assert_eq!(made, [PHONG, METAL, GROUND, PLASTIC, BLEND, BLENDS]);
+}
+
 /// A scene in which no section is empty, and each kind of light but cube maps shines.
 pub fn scene() -> Draft {
     let mut scene = room(|b| {
         let glass = Some(b.glass(1.5));
+        glossy(b);
         // Enough triangles for a tree of three levels.
         b.cuboid([-0.5; 3], [0.5; 3], false, None);
         let quads = b.description.shapes.pop().unwrap();

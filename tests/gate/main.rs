@@ -16,6 +16,10 @@ use std::collections::BTreeSet;
 const ELSEWHERE: [(Rule, &str); 4] = [
     (Rule::WorldPrimitives, "takes a blob of 150 GB"),
     (Rule::TextureLeftOut, "takes a kernel without textures"),
+    (
+        Rule::MaterialLeftOut,
+        "takes a kernel without glossy materials",
+    ),
     (Rule::EmitterLeftOut, "takes a kernel without environments"),
     (Rule::MediumLeftOut, "takes a kernel without media"),
 ];

@@ -1,6 +1,6 @@
 //! What media, their phase functions and their grids must not be.
 
-use crate::breaks::{Break, broken, grid_rows, record};
+use crate::breaks::{Break, GLOW, broken, grid_rows, record};
 use crate::draft::{CLOUD, Draft, FOG, IMAGES, WORDS};
 use etendue::blob::Rule;
 use etendue::blob::format::{Grid, Lobe, Medium, NONE, Texture, medium, section};
@@ -53,7 +53,11 @@ pub fn media() -> Vec<Break> {
         lobe(Rule::LobeWeight, |l| l.weight = -0.1),
         lobe(Rule::LobeReserved, |l| l.reserved = 1),
         lobe(Rule::LobeSum, |l| l.weight = 0.2502),
-        fog(Rule::MediumReserved, |m| m.reserved[2] = 1),
+        fog(Rule::MediumEmitter, |m| m.emitter = 99),
+        // The lamp's, and the glow's of the other medium.
+        fog(Rule::MediumEmitterOwn, |m| m.emitter = 0),
+        fog(Rule::MediumEmitterOwn, |m| m.emitter = GLOW as u32),
+        fog(Rule::MediumReserved, |m| m.reserved[1] = 1),
         fog(Rule::MediumReserved, |m| m.reserved2[3] = 1),
         cloud(Rule::MediumExtinctions, |m| m.extinctions = NONE),
         cloud(Rule::MediumAlbedos, |m| m.albedos = 3),

@@ -92,8 +92,14 @@ fn contents(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
         "dielectric",
         "null",
         "sheet",
+        "Phong",
+        "rough conductor",
+        "rough dielectric",
+        "plastic",
+        "rough plastic",
+        "blend",
     ];
-    debug_assert_eq!(names.len() as u32, material::SHEET + 1);
+    debug_assert_eq!(names.len() as u32, material::BLEND + 1);
     writeln!(
         out,
         "materials   {}",

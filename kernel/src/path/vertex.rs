@@ -14,6 +14,8 @@ use crate::random::{Purpose, Sampler};
 use crate::real::{Frame, Real, Vec3};
 use crate::shape::Point;
 use crate::spectrum::Spectrum;
+#[cfg(feature = "glossy")]
+use crate::surface::chosen;
 use crate::surface::{Local, Mode, Scatter, Surface};
 
 /// A vertex of a walk, with what the weights need of the walk so far.
@@ -84,7 +86,8 @@ pub struct Joint<S> {
 }
 
 impl<S: Spectrum> Vertex<S> {
-    /// The vertex on a surface at `point`, reached from direction `previous` through `medium`; its weight terms are zero.
+    /// The vertex on a surface at `point`, reached from direction `previous` through `medium`; its weight terms are zero. A blend
+    /// is one of its parts from here on, by `sampler`'s choice.
     #[inline(always)]
     pub fn on_surface(
         scene: &Scene<'_>,
@@ -93,11 +96,19 @@ impl<S: Spectrum> Vertex<S> {
         medium: u32,
         throughput: S,
         ratio: S,
+        sampler: &mut impl Sampler,
     ) -> Self {
         let front = previous.dot(point.shading) >= 0.0;
         let material = scene
             .shape(point.shape)
             .and_then(|shape| scene.material(if front { shape.front } else { shape.back }));
+        #[cfg(feature = "glossy")]
+        let material = material.map(|m| {
+            let draw = || sampler.one(Purpose::Blend);
+            chosen(scene.materials(), m, scene.texture_view(), point.uv, draw)
+        });
+        #[cfg(not(feature = "glossy"))]
+        let _ = sampler;
         let surface = match material {
             Some(m) => Surface::resolve(m, scene.texture_view(), point.uv),
             None => Surface::BLACK,

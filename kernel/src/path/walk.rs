@@ -178,6 +178,7 @@ impl<S: Spectrum> Walk<S> {
                     self.medium,
                     self.throughput,
                     self.ratio,
+                    sampler,
                 );
                 if K::MEDIA {
                     vertex.look_around(trace.scene);

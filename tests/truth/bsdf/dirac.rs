@@ -31,6 +31,17 @@ fn truth(surface: &Surface<Rgb>, w: DVec3, mode: Mode) -> [Lobe; 2] {
             (mirrored, channels(s.specular_reflectance)),
             (-w, channels(s.specular_transmittance)),
         ],
+        Surface::Plastic(p) => {
+            let (r, _) = fresnel::dielectric(1.0, p.ior as f64, w.z.abs());
+            [
+                (mirrored, channels(p.reflectance).map(|k| k * r)),
+                (-w, none),
+            ]
+        }
+        Surface::Phong(_)
+        | Surface::RoughConductor(_)
+        | Surface::RoughDielectric(_)
+        | Surface::RoughPlastic(_) => [(mirrored, none), (-w, none)],
         Surface::Dielectric(d) => {
             let ior = d.ior as f64;
             let (n1, n2) = if w.z > 0.0 { (1.0, ior) } else { (ior, 1.0) };

@@ -72,9 +72,23 @@ pub fn is_open(geometry: &Geometry) -> bool {
 
 /// Whether light that meets the model may come out on the other side.
 fn lets_through(model: &Model) -> bool {
+    let some = |c: &ColorSource| *c != ColorSource::Constant([0.0; 3]);
     match model {
-        Model::Diffuse { transmittance, .. } => *transmittance != ColorSource::Constant([0.0; 3]),
-        Model::Mirror { .. } | Model::Conductor { .. } => false,
-        Model::Dielectric { .. } | Model::Null | Model::Sheet { .. } => true,
+        Model::Diffuse { transmittance, .. } => some(transmittance),
+        Model::Phong {
+            transmittance,
+            diffuse_transmittance,
+            ..
+        } => some(transmittance) || some(diffuse_transmittance),
+        Model::Mirror { .. }
+        | Model::Conductor { .. }
+        | Model::RoughConductor { .. }
+        | Model::Plastic { .. } => false,
+        // What a blend is made of may.
+        Model::Dielectric { .. }
+        | Model::RoughDielectric { .. }
+        | Model::Null
+        | Model::Sheet { .. }
+        | Model::Blend { .. } => true,
     }
 }

@@ -1,7 +1,7 @@
 //! Media, their phase functions and their grids.
 
 use super::rules::{Checked, ensure, finite, optional, span, within, zeros};
-use crate::blob::format::{Grid, Lobe, Medium, NONE, medium};
+use crate::blob::format::{Grid, Lobe, Medium, NONE, emitter, medium};
 use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
 
@@ -25,7 +25,7 @@ pub(super) fn grid(scene: &Scene<'_>, g: &Grid, texels: &mut u64) -> Checked {
     zeros(&g.reserved, Rule::GridReserved)
 }
 
-pub(super) fn medium(scene: &Scene<'_>, m: &Medium, reads: &mut u64) -> Checked {
+pub(super) fn medium(scene: &Scene<'_>, index: usize, m: &Medium, reads: &mut u64) -> Checked {
     ensure(cfg!(feature = "media"), Rule::MediumLeftOut)?;
     ensure(m.kind <= medium::GRID, Rule::MediumKind)?;
     let known = match m.kind {
@@ -49,6 +49,11 @@ pub(super) fn medium(scene: &Scene<'_>, m: &Medium, reads: &mut u64) -> Checked 
     m.phase.iter().try_for_each(lobe)?;
     let sum: f32 = m.phase.iter().map(|l| l.weight).sum();
     within(&[sum], 0.9999, 1.0001, Rule::LobeSum)?;
+    optional(m.emitter, scene.emitters.len(), Rule::MediumEmitter)?;
+    if let Some(e) = scene.emitter(m.emitter) {
+        let own = e.kind == emitter::VOLUME && e.medium as usize == index;
+        ensure(own, Rule::MediumEmitterOwn)?;
+    }
     zeros(&m.reserved, Rule::MediumReserved)?;
     zeros(&m.reserved2, Rule::MediumReserved)?;
     if m.kind == medium::GRID {
