@@ -94,3 +94,19 @@ fn error_of_schlick() {
         }
     }
 }
+
+/// From the denser side the cosine is that of the transmitted ray: all is reflected at the critical angle. With the incident one
+/// the polynomial would fall short by what the oracle says.
+#[test]
+fn schlick_from_the_denser_side() {
+    for o in oracles("P21_schlick_error", "schlick_internal") {
+        let n = o.parameter("n");
+        let cos = (1.0 - 1.0 / (n * n)).sqrt();
+        let r0 = ((n - 1.0) / (n + 1.0)).powi(2);
+        let of_the_incident = r0 + (1.0 - r0) * (1.0 - cos).powi(5);
+        let got = fresnel::schlick(n as Real, 1.0, cos as Real).reflected as f64;
+        // There the transmitted cosine, 5(1 − r0) of which R differs by, is the root of a rounded number.
+        let bound = ROUNDING + 5.0 * n * (4.0 * Real::EPSILON as f64).sqrt();
+        assert_met(got - of_the_incident, &o.id, o.value, bound);
+    }
+}
