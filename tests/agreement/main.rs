@@ -9,7 +9,9 @@ mod scenes;
 mod weights;
 
 use etendue::{Estimator, Heuristic, Scene, Settings};
+use etendue_host::blob::AlignedBlob;
 use etendue_host::description::Description;
+use etendue_host::scene::{Size, prepare};
 use etendue_tests::render::{Estimate, blob, double, single};
 use rayon::prelude::*;
 
@@ -33,7 +35,16 @@ fn estimates(
     max_edges: Option<u32>,
     passes: u64,
 ) -> Vec<Estimate> {
-    let bytes = blob(d);
+    of_blob(&blob(d), estimator, heuristic, max_edges, passes)
+}
+
+fn of_blob(
+    bytes: &AlignedBlob,
+    estimator: Estimator,
+    heuristic: Heuristic,
+    max_edges: Option<u32>,
+    passes: u64,
+) -> Vec<Estimate> {
     let scene = Scene::open(bytes.bytes()).unwrap();
     let settings = Settings {
         estimator,
@@ -246,6 +257,31 @@ fn spheres_and_their_meshes() {
     let a = estimates(&exact, Estimator::Bidirectional, Heuristic::Power, None, 24);
     let b = estimates(&mesh, Estimator::Bidirectional, Heuristic::Power, None, 24);
     assert_agree("sphere against mesh", &a, &b);
+}
+
+/// Transforms that mirror: what is left goes right, and nothing else changes. What is said to be outside stays outside.
+#[test]
+fn mirrored_transforms() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("gem.obj"), scenes::GEM).unwrap();
+    let image = |mirror: &str, estimator, passes| {
+        let file = folder.path().join("scene.xml");
+        std::fs::write(&file, scenes::MIRRORED.replace("<mirror/>", mirror)).unwrap();
+        let made = prepare(&file, &[], Size::default()).unwrap_or_else(|e| panic!("{e}"));
+        of_blob(&made.blob, estimator, Heuristic::Power, None, passes)
+    };
+    let (path, both) = (Estimator::Path, Estimator::Bidirectional);
+    let plain = image("", path, 40);
+    assert_agree("as it is", &plain, &image("", both, 12));
+    for (estimator, passes) in [(path, 40), (both, 12)] {
+        let mirrored = image("<scale x=\"-1\"/>", estimator, passes);
+        let rows = mirrored.chunks(3 * BLOCKS as usize);
+        let back: Vec<Estimate> = rows
+            .flat_map(|row| row.rchunks(3).flatten())
+            .copied()
+            .collect();
+        assert_agree(&format!("mirrored, by {estimator:?}"), &plain, &back);
+    }
 }
 
 /// Single against double precision, which share their random numbers.

@@ -502,3 +502,37 @@ pub fn sensors() -> Vec<Named> {
         with("near and far planes", &|d| d.sensor.clip = [2.9, 4.1]),
     ]
 }
+
+/// An octahedron that is larger on one side than on the other, with a normal at each vertex.
+pub const GEM: &str = "v 1 0 0\nv -0.5 0 0\nv 0 1 0\nv 0 -0.6 0\nv 0 0 1\nv 0 0 -0.8\n\
+    vn 1 0 0\nvn -1 0 0\nvn 0 1 0\nvn 0 -1 0\nvn 0 0 1\nvn 0 0 -1\n\
+    f 1//1 3//3 5//5\nf 3//3 2//2 5//5\nf 2//2 4//4 5//5\nf 4//4 1//1 5//5\n\
+    f 3//3 1//1 6//6\nf 2//2 3//3 6//6\nf 4//4 2//2 6//6\nf 1//1 4//4 6//6\n";
+
+/// Nothing in it is symmetric but the camera. Meshes with smooth and with flat normals, an exact sphere, glass, a lamp; all of them
+/// are transformed by what is put in the place of `<mirror/>`. As in Mitsuba, a mirror turns spheres and meshes without normals
+/// inside out: these are two-sided.
+pub const MIRRORED: &str = r#"<scene version="3.0.0">
+  <sensor type="perspective">
+    <float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="0, -4, 1.5" target="0, 0, 0.6" up="0, 0, 1"/></transform>
+    <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/><rfilter type="box"/></film>
+  </sensor>
+  <bsdf type="twosided" id="red"><bsdf type="diffuse"><rgb name="reflectance" value="0.8, 0.3, 0.2"/></bsdf></bsdf>
+  <bsdf type="diffuse" id="white"><rgb name="reflectance" value="0.7"/></bsdf>
+  <bsdf type="dielectric" id="glass"><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf>
+  <shape type="rectangle"><ref id="white"/>
+    <transform name="to_world"><scale value="3"/><rotate y="1" angle="4"/><mirror/></transform></shape>
+  <shape type="obj"><string name="filename" value="gem.obj"/><ref id="white"/>
+    <transform name="to_world"><scale value="0.7"/><rotate z="1" angle="20"/><translate x="-0.7" z="0.7"/><mirror/></transform></shape>
+  <shape type="obj"><string name="filename" value="gem.obj"/><boolean name="face_normals" value="true"/><ref id="red"/>
+    <transform name="to_world"><scale value="0.4"/><rotate x="1" angle="20"/><translate x="0.2" y="0.6" z="0.4"/><mirror/></transform></shape>
+  <shape type="cube"><ref id="glass"/>
+    <transform name="to_world"><scale value="0.3"/><rotate z="1" angle="30"/><translate x="0.6" y="-0.4" z="0.4"/><mirror/></transform></shape>
+  <shape type="sphere"><ref id="red"/>
+    <transform name="to_world"><scale value="0.25"/><translate x="-0.2" y="-0.9" z="0.3"/><mirror/></transform></shape>
+  <shape type="rectangle"><emitter type="area"><rgb name="radiance" value="2, 1.5, 1"/></emitter>
+    <transform name="to_world"><scale x="1.2" y="0.8"/><rotate x="1" angle="180"/><rotate y="1" angle="20"/><translate x="-0.6" z="2.5"/><mirror/></transform></shape>
+  <emitter type="constant"><rgb name="radiance" value="0.2"/></emitter>
+</scene>
+"#;

@@ -109,7 +109,10 @@ fn meshes() {
     };
     mesh(&obj.replace("v 1 0 0", "v nan 0 0"), &["m.obj:2"]);
     mesh(&obj.replace("f 1 2 3", "f 1 2 7"), &["m.obj:4", "7"]);
-    mesh(&obj.replace("v 0 1 0", "v 2 0 0"), &["area"]);
+    mesh(
+        &obj.replace("v 0 1 0", "v 2 0 0"),
+        &["mesh.xml:19", "no area"],
+    );
     mesh("", &["m.obj"]);
     std::fs::remove_file(at.join("m.obj")).unwrap();
     refused(&at, &["render", "mesh.xml", "-o", "x.exr"], &["m.obj"]);

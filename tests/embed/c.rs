@@ -179,29 +179,25 @@ fn an_engines_own_ray_tracer_gives_the_same_image() {
     } else {
         "-lembree3"
     };
-    let program = folder.join("embree");
-    compile(
-        &["g++", "-std=c++17"],
-        &example("embree.cpp"),
-        &[embree],
-        &program,
-    );
-    let printed = text(&run(Command::new(&program).arg(&file)));
-    let values: Vec<f64> = printed
-        .split_whitespace()
-        .map(|w| w.parse().unwrap())
-        .collect();
-    let &[ours, theirs, error, different] = values.as_slice() else {
-        panic!("{printed}");
-    };
-    // The same random numbers: what differs is a ray here and there. Seven standard errors of the difference, and a share of
-    // pixels that a wrong answer to one kind of ray would exceed by far.
-    assert!(
-        (ours - theirs).abs() <= 7.0 * error && ours > 0.0,
-        "{printed}"
-    );
-    assert!(different < 0.02, "{printed}");
-    println!("{printed}");
+    let source = example("embree.cpp");
+    for mut way in ways(&["g++", "-std=c++17"], &source, &folder, &[embree]) {
+        let printed = text(&run(way.arg(&file)));
+        let values: Vec<f64> = printed
+            .split_whitespace()
+            .map(|w| w.parse().unwrap())
+            .collect();
+        let &[ours, theirs, error, different] = values.as_slice() else {
+            panic!("{way:?}: {printed}");
+        };
+        // The same random numbers: what differs is a ray here and there. Seven standard errors of the difference, and a share of
+        // pixels that a wrong answer to one kind of ray would exceed by far.
+        assert!(
+            (ours - theirs).abs() <= 7.0 * error && ours > 0.0,
+            "{way:?}: {printed}"
+        );
+        assert!(different < 0.02, "{way:?}: {printed}");
+        println!("{printed}");
+    }
 }
 
 fn beside(name: &str) -> PathBuf {
