@@ -3,9 +3,10 @@
 use super::rules::{Checked, MAX_COORDINATE, coordinates, ensure, finite, unit, within, zeros};
 use crate::blob::format::{NONE, Sensor, sensor};
 use crate::blob::rule::Rule;
+use crate::real::vec3;
 
 pub(super) fn sensor(s: &Sensor) -> Checked {
-    ensure(s.kind <= sensor::ORTHOGRAPHIC, Rule::SensorKind)?;
+    ensure(s.kind <= sensor::PANORAMA, Rule::SensorKind)?;
     ensure(s.filter <= sensor::GAUSSIAN, Rule::SensorFilter)?;
     within(&[s.filter_radius], 1e-3, 8.0, Rule::SensorFilterRadius)?;
     let gaussian = s.filter == sensor::GAUSSIAN;
@@ -28,6 +29,10 @@ pub(super) fn sensor(s: &Sensor) -> Checked {
     unit(&s.right, Rule::SensorRight)?;
     unit(&s.down, Rule::SensorDown)?;
     unit(&s.forward, Rule::SensorForward)?;
+    let axes = [(s.right, s.down), (s.down, s.forward), (s.forward, s.right)];
+    let perpendicular = |(a, b): ([f32; 3], [f32; 3])| vec3(a).dot(vec3(b)).abs() <= 1e-3;
+    let whole = s.kind != sensor::PANORAMA || axes.into_iter().all(perpendicular);
+    ensure(whole, Rule::SensorAxes)?;
     ensure(s.medium == NONE, Rule::SensorMedium)?;
     zeros(&s.reserved, Rule::SensorReserved)
 }
