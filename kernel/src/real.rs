@@ -14,8 +14,9 @@ mod precision {
     #[cfg(not(target_arch = "nvptx64"))]
     pub use libm::sqrtf as sqrt;
     pub use libm::{
-        acosf as acos, asinf as asin, atan2f as atan2, cosf as cos, erff as erf, expf as exp,
-        expm1f as expm1, logf as log, powf as pow, sinf as sin, tanf as tan,
+        acosf as acos, asinf as asin, atan2f as atan2, cbrtf as cbrt, cosf as cos, erff as erf,
+        expf as exp, expm1f as expm1, log1pf as log1p, logf as log, powf as pow, sinf as sin,
+        tanf as tan,
     };
 
     /// √x by the GPU's own instruction: correctly rounded like libm's, and many times faster than it is there.
@@ -28,9 +29,11 @@ mod precision {
     /// ξ ∈ [0, 1) from 32 random bits: the upper 24, so that the result is exact and below 1.
     #[inline(always)]
     pub fn unit(bits: u32) -> Real {
-        (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+        (bits >> 8) as f32 * UNIT_STEP
     }
 
+    /// The step of [`unit`].
+    pub const UNIT_STEP: Real = 1.0 / 16_777_216.0;
     /// The largest `Real` below 1.
     pub const ONE_MINUS: Real = 1.0 - f32::EPSILON / 2.0;
 }
@@ -42,15 +45,19 @@ mod precision {
     /// Three `Real`s.
     pub type Vec3 = glam::DVec3;
     pub use core::f64::consts;
-    pub use libm::{acos, asin, atan2, cos, erf, exp, expm1, log, pow, sin, sqrt, tan};
+    pub use libm::{
+        acos, asin, atan2, cbrt, cos, erf, exp, expm1, log, log1p, pow, sin, sqrt, tan,
+    };
 
     /// ξ ∈ [0, 1) from 32 random bits, all of them: the same ξ as in single precision up to rounding,
     /// so that the two precisions walk the same paths.
     #[inline(always)]
     pub fn unit(bits: u32) -> Real {
-        f64::from(bits) * (1.0 / 4_294_967_296.0)
+        f64::from(bits) * UNIT_STEP
     }
 
+    /// The step of [`unit`].
+    pub const UNIT_STEP: Real = 1.0 / 4_294_967_296.0;
     /// The largest `Real` below 1.
     pub const ONE_MINUS: Real = 1.0 - f64::EPSILON / 2.0;
 }

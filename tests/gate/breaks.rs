@@ -131,7 +131,7 @@ fn world() -> Vec<Break> {
         w(Rule::WorldBackground, |w| w.background = 99),
         // The lamp.
         w(Rule::WorldBackgroundKind, |w| w.background = 0),
-        w(Rule::WorldExterior, |w| w.exterior = 0),
+        w(Rule::WorldExterior, |w| w.exterior = 1 << 20),
         w(Rule::WorldReserved, |w| w.reserved[7] = 1),
     ]
 }
@@ -166,7 +166,7 @@ fn sensor() -> Vec<Break> {
             s.kind = etendue::blob::format::sensor::PANORAMA;
             s.right = s.forward;
         }),
-        s(Rule::SensorMedium, |s| s.medium = 0),
+        s(Rule::SensorMedium, |s| s.medium = 1 << 20),
         s(Rule::SensorReserved, |s| s.reserved[0] = 1),
     ]
 }
@@ -286,8 +286,8 @@ fn shapes() -> Vec<Break> {
     vec![
         ball(Rule::ShapeFront, |s| s.front = 99),
         ball(Rule::ShapeBack, |s| s.back = 99),
-        ball(Rule::ShapeMedium, |s| s.interior = 0),
-        ball(Rule::ShapeMedium, |s| s.exterior = 0),
+        ball(Rule::ShapeMedium, |s| s.interior = 1 << 20),
+        ball(Rule::ShapeMedium, |s| s.exterior = 1 << 20),
         ball(Rule::ShapeOpacity, |s| s.opacity = 99),
         ball(Rule::ShapeEmitter, |s| s.emitter = 99),
         // The lamp's, and the point light's.
@@ -360,7 +360,7 @@ const SKY: usize = 5;
 fn emitters() -> Vec<Break> {
     let e = |rule, index, change: fn(&mut Emitter)| record(rule, section::EMITTERS, index, change);
     vec![
-        e(Rule::EmitterKind, SUN, |e| e.kind = 7),
+        e(Rule::EmitterKind, SUN, |e| e.kind = 8),
         e(Rule::EmitterRadiance, AREA, |e| e.radiance[1] = -1.0),
         e(Rule::EmitterRadiance, AREA, |e| e.radiance[1] = 1.1e30),
         e(Rule::EmitterDensity, ROUND, |e| e.density = f32::INFINITY),

@@ -97,7 +97,7 @@ rules! {
     WorldPrimitives Reference c"the ids of triangles and spheres must be below 4294967295"
     WorldBackground Reference c"background must be an emitter's index, or none"
     WorldBackgroundKind Reference c"background must be a constant or an environment"
-    WorldExterior Reference c"exterior must be none: there are no media in version 1"
+    WorldExterior Reference c"exterior must be a medium's index, or none"
     WorldReserved Reserved c"reserved words must be 0"
     // Sensor.
     SensorKind Kind c"kind must be perspective, orthographic or panorama"
@@ -117,7 +117,7 @@ rules! {
     SensorDown Range c"down must be a unit vector"
     SensorForward Range c"forward must be a unit vector"
     SensorAxes Range c"a panorama's right, down and forward must be perpendicular"
-    SensorMedium Reference c"medium must be none: there are no media in version 1"
+    SensorMedium Reference c"medium must be a medium's index, or none"
     SensorReserved Reserved c"reserved words must be 0"
     // Nodes.
     NodeRoot Tree c"there must be a root: node 0, at level 0, without a parent"
@@ -143,7 +143,7 @@ rules! {
     UvFinite Range c"texture coordinates must be finite"
     ShapeFront Reference c"front must be a material's index, or none"
     ShapeBack Reference c"back must be a material's index, or none"
-    ShapeMedium Reference c"interior and exterior must be none: there are no media in version 1"
+    ShapeMedium Reference c"interior and exterior must be media's indices, or none"
     ShapeOpacity Reference c"opacity must be a texture's index, or none"
     ShapeEmitter Reference c"emitter must be an emitter's index, or none"
     ShapeEmitterOwn Reference c"a shape's emitter must be an area emitter that names the shape"

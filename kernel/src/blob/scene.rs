@@ -235,6 +235,11 @@ impl<'a> Scene<'a> {
     }
 
     #[inline(always)]
+    pub(crate) fn grid(&self, id: u32) -> Option<&'a Grid> {
+        self.grids.get(id as usize)
+    }
+
+    #[inline(always)]
     pub(crate) fn medium(&self, id: u32) -> Option<&'a Medium> {
         self.media.get(id as usize)
     }

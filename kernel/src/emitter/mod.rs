@@ -85,14 +85,6 @@ pub struct Emission<S> {
     pub volume: bool,
 }
 
-impl<S> Emission<S> {
-    /// D at x₀ towards `direction`: the cosine on a surface (negative behind it), 1 elsewhere.
-    #[inline(always)]
-    pub fn facing(&self, direction: Vec3) -> Real {
-        self.normal.map_or(1.0, |n| n.dot(direction))
-    }
-}
-
 /// Draws light that arrives at `y`.
 #[inline]
 pub fn incident<S: Spectrum>(

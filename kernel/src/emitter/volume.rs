@@ -43,7 +43,7 @@ pub(super) fn incident<S: Spectrum>(
     Some(Incident {
         direction: to_light * (1.0 / distance),
         end: Some(x0),
-        radiance: medium::emission(scene, e.medium, x0),
+        radiance: medium::emission(scene, scene.medium(e.medium)?, x0),
         // As if it faced y: p_V·d².
         pdf: trace_density(e) * squared,
         dirac: false,
@@ -63,7 +63,8 @@ pub(super) fn emission<S: Spectrum>(
 ) -> Option<Emission<S>> {
     let position = position(e, xi);
     let trace = trace_density(e);
-    let visible = medium::emission::<S>(scene, e.medium, position) * (1.0 / trace);
+    let emitted: S = medium::emission(scene, scene.medium(e.medium)?, position);
+    let visible = emitted * (1.0 / trace);
     (!visible.is_black()).then(|| Emission {
         position,
         origin: position,

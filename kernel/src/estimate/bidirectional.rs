@@ -95,7 +95,7 @@ fn light_side<T: Tracer, K: Instance, P: Sampler>(
         let seen = see_light(trace, element, &emission, sampler);
         see(seen, &x0, scratch.links, scratch.sensor);
     }
-    let mut walk = Walk::from_light(&emission);
+    let mut walk = Walk::from_light(trace, &emission);
     // x_i is joined to the sensor by a path of i + 1 edges.
     while walk.edges < limit {
         if scratch.links.is_full() {

@@ -4,8 +4,7 @@
 use super::Settings;
 use crate::blob::Scene;
 use crate::emitter::{self, Emission};
-use crate::medium;
-use crate::path::{Arrival, Instance, Joint, Trace, Vertex, Walk, joined};
+use crate::path::{Arrival, Instance, Joint, Trace, Vertex, Walk, joined, source_facing};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::Real;
 use crate::sensor::{Element, Projection, each_pixel};
@@ -41,7 +40,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         );
     }
     let mis = super::mis(settings, 0.0, 1);
-    let mut walk = Walk::from_light(&emission);
+    let mut walk = Walk::from_light(trace, &emission);
     while walk.edges < limit {
         let Arrival::Vertex(vertex, _) = walk.arrive(trace, sampler, &mis) else {
             break;
@@ -125,7 +124,7 @@ pub(super) fn see_light<T: Tracer, K: Instance, P: Sampler>(
         (projection, 1.0, ray, trace.scene.sensor().medium)
     } else {
         let projection = element.project(trace.scene, emission.position, lens)?;
-        let cos = emission.facing(projection.direction);
+        let cos = emission.normal.map_or(1.0, |n| n.dot(projection.direction));
         let ray = Ray {
             origin: emission.origin,
             direction: projection.direction,
@@ -141,19 +140,18 @@ pub(super) fn see_light<T: Tracer, K: Instance, P: Sampler>(
     if sight.value.is_black() {
         return None;
     }
-    let density = projection.density * cos;
-    let mut walked = density * sight.expected;
-    if K::MEDIA && emission.volume {
-        let medium = trace.scene.medium(emission.medium);
-        walked *= medium.map_or(0.0, |m| medium::density(m, trace.lead));
-    }
+    let facing = if emission.distant {
+        1.0
+    } else {
+        source_facing(trace, emission, projection.direction)
+    };
     let white = K::S::WHITE;
     Some(Seen {
         value: emission.visible
             * joined::<K>(trace.lead, white, white, sight.value)
-            * (density * projection.scale),
+            * (projection.density * cos * projection.scale),
         projection,
-        density: walked,
+        density: projection.density * facing * sight.expected,
         reverse: 0.0,
     })
 }

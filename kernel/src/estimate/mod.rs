@@ -10,13 +10,17 @@ mod light;
 mod path;
 
 use crate::blob::Scene;
-use crate::blob::format::{NONE, needs};
+use crate::blob::format::NONE;
+#[cfg(feature = "media")]
+use crate::blob::format::needs;
 #[cfg(feature = "media")]
 use crate::path::Volumes;
 use crate::path::{
     Counters, Heuristic, History, HistoryView, Instance, Link, Mis, Surfaces, Trace, Vertex,
 };
-use crate::random::{Pcg, Purpose, Sampler, Subpath};
+use crate::random::{Pcg, Sampler};
+#[cfg(feature = "media")]
+use crate::random::{Purpose, Subpath};
 use crate::real::{Real, Vec3};
 use crate::sensor::Element;
 use crate::shape::{Instructions, Tracer};

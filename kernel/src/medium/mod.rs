@@ -12,16 +12,22 @@
 //! of channels however much the extinctions differ. In Woodcock's tracking tentative collisions are drawn from a majorant of all channels, and
 //! the densities are those of the path with its null collisions, which are known pointwise (Miller, Georgiev & Jarosz 2019).
 
+mod grid;
+mod homogeneous;
+mod lattice;
 mod phase;
+mod regular;
+mod tracking;
 
-pub use phase::{Phase, Turn};
+pub use phase::Phase;
 
 use crate::blob::Scene;
-use crate::blob::format::Medium;
-use crate::random::Sampler;
-use crate::real::{Real, Vec3, exp};
+use crate::blob::format::{Medium, medium};
+use crate::random::{Purpose, Sampler};
+use crate::real::{Real, UNIT_STEP, Vec3, exp, log1p};
 use crate::shape::Ray;
 use crate::spectrum::Spectrum;
+use grid::Passage;
 
 /// What a walk carries through media.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +44,13 @@ impl<S: Spectrum> Carried<S> {
     #[inline(always)]
     pub fn draw(&mut self, f: S, p: S) {
         let ratio = self.ratio * p;
-        let inverse = 1.0 / ratio.mean();
+        let mean = ratio.mean();
+        // What has underflowed isn't drawn, but for a ξ that has no next one.
+        let inverse = if mean >= Real::MIN_POSITIVE {
+            1.0 / mean
+        } else {
+            0.0
+        };
         self.throughput = self.throughput * f * inverse;
         self.ratio = ratio * inverse;
     }
@@ -77,7 +89,7 @@ pub struct Way<'s, 'a> {
     pub ray: Ray,
 }
 
-impl Way<'_, '_> {
+impl<'a> Way<'_, 'a> {
     /// Free flight: draws where the walk collides, if it does, with channel `lead` leading. What the way emits towards where the
     /// walk came from is added to `glow`, as an unbiased estimate of ∫throughput·E·τ over the way (all of it,
     /// wherever the flight ends). `steps` counts tentative collisions down; [`Flight::Cut`] when none are left.
@@ -89,31 +101,104 @@ impl Way<'_, '_> {
         steps: &mut u32,
         sampler: &mut impl Sampler,
     ) -> Flight<S> {
-        let _ = (lead, carried, glow, steps, sampler);
-        Flight::Through
+        if self.medium.kind == medium::HOMOGENEOUS {
+            return homogeneous::fly(self.medium, self.length(), lead, carried, glow, sampler);
+        }
+        match self.passage() {
+            Some(p) if self.is(medium::REGULAR) => p.fly_regularly(lead, carried, glow, sampler),
+            Some(p) => p.fly(lead, carried, glow, steps, sampler),
+            None => Flight::Through,
+        }
     }
 
-    /// τ over the way: exact, or an unbiased estimate by ratio tracking from the same tentative collisions for all channels.
+    /// τ over the way: exact, or an unbiased estimate by ratio tracking from the same tentative collisions for all
+    /// channels; 0 when no steps are left.
     pub fn transmittance<S: Spectrum>(&self, steps: &mut u32, sampler: &mut impl Sampler) -> S {
-        let _ = (steps, sampler);
-        S::WHITE
+        if self.medium.kind == medium::HOMOGENEOUS {
+            return homogeneous::transmittance(self.medium, self.length());
+        }
+        match self.passage() {
+            Some(p) if self.is(medium::REGULAR) => p.exact_transmittance(),
+            Some(p) if self.is(medium::RESIDUAL) => p.residual_transmittance(steps, sampler),
+            Some(p) => p.transmittance(steps, sampler),
+            None => S::WHITE,
+        }
     }
 
-    /// What MIS takes for the density of getting through, if `lead` leads: the same number for the same way in either direction.
+    /// What MIS takes for the density of getting through, if `lead` leads: the same number for the same way in either
+    /// direction, up to rounding.
     #[inline(always)]
     pub fn expected(&self, lead: usize) -> Real {
-        exp(-density(self.medium, lead) * self.ray.t_max)
+        let length = if self.medium.kind == medium::HOMOGENEOUS {
+            self.length()
+        } else {
+            self.passage().map_or(0.0, |p| p.length())
+        };
+        exp(-depth(density(self.medium, lead), length))
     }
-}
 
-/// E of medium `id` at `position`, if that lies in it.
-pub fn emission<S: Spectrum>(scene: &Scene<'_>, id: u32, position: Vec3) -> S {
-    let _ = (scene, id, position);
-    S::BLACK
+    /// Without the feature no blob that opens has a medium; here the compiler learns of it.
+    #[inline(always)]
+    fn length(&self) -> Real {
+        if cfg!(feature = "media") {
+            self.ray.t_max
+        } else {
+            0.0
+        }
+    }
+
+    #[inline(always)]
+    fn is(&self, flag: u32) -> bool {
+        self.medium.flags & flag != 0
+    }
+
+    /// The part of the way that is within the grids' cube.
+    #[inline(always)]
+    fn passage(&self) -> Option<Passage<'a>> {
+        if cfg!(feature = "media") {
+            Passage::new(self.scene, self.medium, &self.ray)
+        } else {
+            None
+        }
+    }
 }
 
 /// What MIS takes for σ_t of channel `lead`, wherever in the medium.
 #[inline(always)]
 pub fn density(m: &Medium, lead: usize) -> Real {
     Real::from(m.mean.get(lead).copied().unwrap_or(0.0))
+}
+
+/// E at the point `x` of the medium.
+#[inline]
+pub fn emission<S: Spectrum>(scene: &Scene<'_>, m: &Medium, x: Vec3) -> S {
+    if m.kind == medium::HOMOGENEOUS || !cfg!(feature = "media") {
+        return S::from_rgb(m.emission);
+    }
+    grid::emission_at(scene, m, x)
+}
+
+/// σ·s, where nothing times an infinite way is still nothing.
+#[inline(always)]
+fn depth(sigma: Real, s: Real) -> Real {
+    if sigma == 0.0 { 0.0 } else { sigma * s }
+}
+
+/// ξ with more digits where it is small, so that what is rare happens as often as it should: half a step of ξ is
+/// 3 % of an optical depth of 1e-6.
+#[inline(always)]
+fn fine(sampler: &mut impl Sampler) -> Real {
+    const SMALL: Real = 1.0 / 1024.0;
+    let xi = sampler.one(Purpose::Flight);
+    if xi < SMALL {
+        xi + UNIT_STEP * sampler.one(Purpose::Flight)
+    } else {
+        xi
+    }
+}
+
+/// An optical depth, exponentially distributed; finite.
+#[inline(always)]
+fn exponential(sampler: &mut impl Sampler) -> Real {
+    -log1p(-fine(sampler))
 }

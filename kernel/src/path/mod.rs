@@ -15,5 +15,5 @@ pub use instance::Volumes;
 pub use instance::{Instance, Surfaces};
 pub use trace::{Counters, MAX_STEPS, Meeting, Passage, Sight, Trace, roulette};
 pub use vertex::{Joint, Step, Vertex};
-pub use walk::{Arrival, Walk, connect_first, emission_terms, joined};
+pub use walk::{Arrival, Walk, connect_first, emission_terms, joined, source_facing};
 pub use weight::{CUTOFF, Heuristic, Junction, Mis, Terms};

@@ -8,9 +8,9 @@ use super::instance::Instance;
 use super::vertex::Vertex;
 use crate::blob::Scene;
 use crate::blob::format::{NONE, Shape, material};
-use crate::medium::{Carried, Collision, Flight, Way, density};
+use crate::medium::{Carried, Collision, Flight, Way};
 use crate::random::{Purpose, Sampler};
-use crate::real::{Real, Vec3, exp, sqrt};
+use crate::real::{Real, Vec3, sqrt};
 use crate::shape::{Point, Ray, Tracer};
 use crate::spectrum::Spectrum;
 use core::marker::PhantomData;
@@ -235,7 +235,11 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
                 );
                 match flight {
                     Flight::Collided(c) => {
-                        passage.expected *= exp(-density(way.medium, self.lead) * c.t);
+                        let walked = Ray {
+                            t_max: c.t,
+                            ..way.ray
+                        };
+                        passage.expected *= Way { ray: walked, ..way }.expected(self.lead);
                         return Meeting::Collision(c, distance + ray.t_min + c.t);
                     }
                     Flight::Through => passage.expected *= way.expected(self.lead),
@@ -322,10 +326,10 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
         sampler: &mut impl Sampler,
     ) -> Sight<K::S> {
         self.counters.shadow_rays += 1;
-        ray.t_max *= SHORTEN;
         if K::MEDIA {
             return self.visibility_in_media(ray, medium, sampler);
         }
+        ray.t_max *= SHORTEN;
         if !self.scene.has_passable() {
             return Sight::free(if self.tracer.occluded(&ray) { 0.0 } else { 1.0 });
         }
@@ -372,8 +376,17 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
         sampler: &mut impl Sampler,
     ) -> Sight<K::S> {
         let mut sight = Sight::<K::S>::free(1.0);
+        // Surfaces aren't asked about that far; media fill it all.
+        let rounding = if ray.t_max < Real::INFINITY {
+            ray.t_max * (1.0 - SHORTEN)
+        } else {
+            0.0
+        };
         loop {
-            let hit = self.tracer.closest(&ray);
+            let hit = self.tracer.closest(&Ray {
+                t_max: ray.t_max - rounding,
+                ..ray
+            });
             let found = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)));
             let opacity = found.map_or(0.0, |(point, _)| self.opacity(&point, ray.direction));
             if opacity >= 1.0 {

@@ -14,7 +14,7 @@ use crate::random::{Purpose, Sampler};
 use crate::real::{Frame, Real, Vec3};
 use crate::shape::Point;
 use crate::spectrum::Spectrum;
-use crate::surface::{Local, Mode, Surface};
+use crate::surface::{Local, Mode, Scatter, Surface};
 
 /// A vertex of a walk, with what the weights need of the walk so far.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +54,22 @@ pub struct Step<S> {
     pub dirac: bool,
     /// The part of `weight` that is refraction's η².
     pub eta_scale: Real,
+}
+
+impl<S: Spectrum> Step<S> {
+    /// In the world's `direction`; `None` where nothing goes there.
+    #[inline(always)]
+    fn new(direction: Vec3, s: Scatter<S>, correction: Real) -> Option<Self> {
+        let weight = s.weight * correction;
+        (!weight.is_black()).then_some(Self {
+            direction,
+            weight,
+            pdf: s.pdf,
+            pdf_reverse: s.pdf_reverse,
+            dirac: s.dirac,
+            eta_scale: s.eta_scale,
+        })
+    }
 }
 
 /// What a vertex says of a direction to which it is joined.
@@ -152,9 +168,11 @@ impl<S: Spectrum> Vertex<S> {
     /// The phase function, in a volume.
     #[inline(always)]
     fn phase<'a>(&self, scene: &Scene<'a>) -> Option<Phase<'a, S>> {
-        let scattering = self.scattering?;
         let [medium, _] = self.media;
-        Some(Phase::new(scene.medium(medium)?, scattering))
+        Some(Phase {
+            lobes: &scene.medium(medium)?.phase,
+            scattering: self.scattering?,
+        })
     }
 
     /// Whether there is a lobe that isn't Dirac: connections are possible.
@@ -193,29 +211,13 @@ impl<S: Spectrum> Vertex<S> {
         let lobe = sampler.one(Purpose::Lobe);
         let xi = sampler.two(Purpose::Direction);
         if K::MEDIA && self.scattering.is_some() {
-            let s = self.phase(scene)?.sample(self.previous, lobe, xi)?;
-            return (!s.weight.is_black()).then_some(Step {
-                direction: s.direction,
-                weight: s.weight,
-                pdf: s.pdf,
-                pdf_reverse: s.pdf,
-                dirac: s.dirac,
-                eta_scale: 1.0,
-            });
+            let s = self.phase(scene)?.sample(self.previous, lobe, xi);
+            return Step::new(s.wi, s, 1.0);
         }
         let w = self.frame.local(self.previous);
         let s = self.surface.sample(w, mode, lobe, xi)?;
         let direction = self.frame.world(s.wi);
-        let correction = self.correction(w, s.wi, direction, mode)?;
-        let weight = s.weight * correction;
-        (!weight.is_black()).then_some(Step {
-            direction,
-            weight,
-            pdf: s.pdf,
-            pdf_reverse: s.pdf_reverse,
-            dirac: s.dirac,
-            eta_scale: s.eta_scale,
-        })
+        Step::new(direction, s, self.correction(w, s.wi, direction, mode)?)
     }
 
     /// What joining the vertex to something in `direction` gives.

@@ -6,7 +6,7 @@ use super::trace::{MAX_STEPS, Meeting, Passage, Trace, roulette};
 use super::vertex::{Step, Vertex};
 use super::weight::{Mis, Terms};
 use crate::emitter::{self, Emission};
-use crate::medium::Carried;
+use crate::medium::{Carried, density};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::{Real, Vec3, square};
 use crate::sensor::Start;
@@ -97,7 +97,10 @@ impl<S: Spectrum> Walk<S> {
 
     /// From a light.
     #[inline(always)]
-    pub fn from_light(emission: &Emission<S>) -> Self {
+    pub fn from_light<T, K: Instance<S = S>>(
+        trace: &Trace<'_, '_, T, K>,
+        emission: &Emission<S>,
+    ) -> Self {
         Self {
             mode: Mode::Importance,
             ray: Ray {
@@ -114,7 +117,7 @@ impl<S: Spectrum> Walk<S> {
             relative: S::WHITE,
             pdf: emission.direction_pdf,
             parallel: emission.distant,
-            facing: emission.facing(emission.direction),
+            facing: source_facing(trace, emission, emission.direction).abs(),
             expected: 1.0,
             terms: emission_terms(emission),
             pdf_reverse: 0.0,
@@ -300,6 +303,21 @@ pub fn emission_terms<S>(emission: &Emission<S>) -> Terms {
         a: if emission.dirac { 0.0 } else { 1.0 },
         b: 0.0,
     }
+}
+
+/// What turns a density per solid angle, times 1/d², into one of x₀: the cosine, negative behind it, on a surface; σ_t, as the
+/// weights assume it, in a medium that emits.
+#[inline(always)]
+pub fn source_facing<T, K: Instance>(
+    trace: &Trace<'_, '_, T, K>,
+    emission: &Emission<K::S>,
+    direction: Vec3,
+) -> Real {
+    if K::MEDIA && emission.volume {
+        let medium = trace.scene.medium(emission.medium);
+        return medium.map_or(0.0, |m| density(m, trace.lead));
+    }
+    emission.normal.map_or(1.0, |n| n.dot(direction))
 }
 
 /// Sets `a` of x₁: strategy s = 1 has p_connect(x₀ | x₁) where the others have p_trace(x₀).

@@ -25,7 +25,7 @@ pub(super) fn world(scene: &Scene<'_>) -> Checked {
         let distant = [emitter::CONSTANT, emitter::LATLONG, emitter::CUBEMAP];
         ensure(distant.contains(&e.kind), Rule::WorldBackgroundKind)?;
     }
-    ensure(w.exterior == NONE, Rule::WorldExterior)?;
+    optional(w.exterior, scene.media.len(), Rule::WorldExterior)?;
     zeros(&w.reserved, Rule::WorldReserved)
 }
 
@@ -99,8 +99,8 @@ pub(super) fn sphere(scene: &Scene<'_>, s: &Sphere) -> Checked {
 pub(super) fn shape(scene: &Scene<'_>, index: usize, s: &Shape) -> Checked {
     optional(s.front, scene.materials.len(), Rule::ShapeFront)?;
     optional(s.back, scene.materials.len(), Rule::ShapeBack)?;
-    let vacuum = s.interior == NONE && s.exterior == NONE;
-    ensure(vacuum, Rule::ShapeMedium)?;
+    optional(s.interior, scene.media.len(), Rule::ShapeMedium)?;
+    optional(s.exterior, scene.media.len(), Rule::ShapeMedium)?;
     optional(s.opacity, scene.textures.len(), Rule::ShapeOpacity)?;
     optional(s.emitter, scene.emitters.len(), Rule::ShapeEmitter)?;
     if let Some(e) = scene.emitter(s.emitter) {

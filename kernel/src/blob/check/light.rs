@@ -13,7 +13,7 @@ pub(super) fn emitter(
     texels: &mut u64,
     cells: &mut u64,
 ) -> Checked {
-    ensure(e.kind <= emitter::CUBEMAP, Rule::EmitterKind)?;
+    ensure(e.kind <= emitter::VOLUME, Rule::EmitterKind)?;
     let image = matches!(e.kind, emitter::LATLONG | emitter::CUBEMAP);
     ensure(
         cfg!(feature = "environment") || !image,

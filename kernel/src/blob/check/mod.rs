@@ -51,7 +51,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
     };
     let s = &scene;
     geometry::world(s).map_err(at(section::WORLD))?;
-    sensor::sensor(s.sensor).map_err(at(section::SENSOR))?;
+    sensor::sensor(s, s.sensor).map_err(at(section::SENSOR))?;
     ensure(!s.nodes.is_empty(), Rule::NodeRoot).map_err(at(section::NODES))?;
     each(section::NODES, s.nodes, |i, n| geometry::node(s, i, n))?;
     each(section::PACKETS, s.packets, |_, p| geometry::packet(p))?;

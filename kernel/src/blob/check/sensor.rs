@@ -1,11 +1,14 @@
 //! The sensor.
 
-use super::rules::{Checked, MAX_COORDINATE, coordinates, ensure, finite, unit, within, zeros};
-use crate::blob::format::{NONE, Sensor, sensor};
+use super::rules::{
+    Checked, MAX_COORDINATE, coordinates, ensure, finite, optional, unit, within, zeros,
+};
+use crate::blob::format::{Sensor, sensor};
 use crate::blob::rule::Rule;
+use crate::blob::scene::Scene;
 use crate::real::vec3;
 
-pub(super) fn sensor(s: &Sensor) -> Checked {
+pub(super) fn sensor(scene: &Scene<'_>, s: &Sensor) -> Checked {
     ensure(s.kind <= sensor::PANORAMA, Rule::SensorKind)?;
     ensure(s.filter <= sensor::GAUSSIAN, Rule::SensorFilter)?;
     within(&[s.filter_radius], 1e-3, 8.0, Rule::SensorFilterRadius)?;
@@ -33,6 +36,6 @@ pub(super) fn sensor(s: &Sensor) -> Checked {
     let perpendicular = |(a, b): ([f32; 3], [f32; 3])| vec3(a).dot(vec3(b)).abs() <= 1e-3;
     let whole = s.kind != sensor::PANORAMA || axes.into_iter().all(perpendicular);
     ensure(whole, Rule::SensorAxes)?;
-    ensure(s.medium == NONE, Rule::SensorMedium)?;
+    optional(s.medium, scene.media.len(), Rule::SensorMedium)?;
     zeros(&s.reserved, Rule::SensorReserved)
 }
