@@ -5,9 +5,18 @@
 
 #[cfg(feature = "bidirectional")]
 mod bidirectional;
+#[cfg(feature = "distributed")]
+mod distributed;
 #[cfg(feature = "light")]
 mod light;
 mod path;
+mod plan;
+#[cfg(feature = "quadrature")]
+mod quadrature;
+#[cfg(feature = "quadrature")]
+mod rule;
+
+pub use plan::{LEVELS, Rule, Tree};
 
 use crate::blob::Scene;
 use crate::blob::format::NONE;
@@ -38,6 +47,42 @@ pub enum Estimator {
     /// Both walks and all connections between them (Lafortune & Willems 1993, Veach 1997).
     #[cfg(feature = "bidirectional")]
     Bidirectional,
+    /// Ray trees to a stated depth ([`Tree`]); longer paths are left out (Whitted 1980, Cook 1984).
+    #[cfg(feature = "distributed")]
+    Distributed,
+    /// Direct light and single scattering by quadrature ([`Rule`]); all other light is left out.
+    #[cfg(feature = "quadrature")]
+    Quadrature,
+    /// The same, and what it leaves out by [`Estimator::Path`].
+    #[cfg(feature = "quadrature")]
+    QuadratureAndPath,
+}
+
+impl Estimator {
+    /// Whether samples of pixels add to other pixels.
+    pub const fn splats(self) -> bool {
+        match self {
+            #[cfg(feature = "light")]
+            Self::Light => true,
+            #[cfg(feature = "bidirectional")]
+            Self::Bidirectional => true,
+            _ => false,
+        }
+    }
+
+    /// What of a scene this estimator can't answer for, in words; `None` if there is nothing.
+    pub fn refuses(self, scene: &Scene<'_>) -> Option<&'static str> {
+        match self {
+            #[cfg(feature = "quadrature")]
+            Self::Quadrature if quadrature::leaves_out_a_light(scene) => Some(
+                "quadrature makes no light of environments, constant backgrounds and glowing media: choose quadrature+path",
+            ),
+            _ => {
+                let _ = scene;
+                None
+            }
+        }
+    }
 }
 
 /// What is the same for all samples of a render.
@@ -51,6 +96,10 @@ pub struct Settings {
     pub max_edges: Option<u32>,
     /// Selects the random numbers.
     pub seed: u64,
+    /// How [`Estimator::Distributed`] branches.
+    pub tree: Tree,
+    /// How fine [`Estimator::Quadrature`] is.
+    pub rule: Rule,
     /// Weights always by the explicit ratio walk: slower, the same to rounding. For tests.
     pub explicit_weights: bool,
 }
@@ -286,8 +335,30 @@ fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
             (Estimator::Bidirectional, _) => {
                 bidirectional::estimate(&mut trace, settings, element, sampler, scratch, splat)
             }
+            #[cfg(feature = "distributed")]
+            (Estimator::Distributed, _) => {
+                distributed::estimate(&mut trace, settings, element, sampler, scratch)
+            }
+            #[cfg(feature = "quadrature")]
+            (Estimator::Quadrature, _) => {
+                quadrature::estimate(&mut trace, settings, element, sampler, scratch)
+            }
+            #[cfg(feature = "quadrature")]
+            (Estimator::QuadratureAndPath, _) => {
+                let mut sum =
+                    quadrature::estimate(&mut trace, settings, element, sampler, scratch);
+                let rest = &mut quadrature::Rest::of(element, &settings.rule, scratch);
+                sum += path::estimate(&mut trace, settings, element, sampler, rest);
+                sum
+            }
             // No light walk meets a ray.
-            _ => path::estimate(&mut trace, settings, element, sampler),
+            _ => path::estimate(
+                &mut trace,
+                settings,
+                element,
+                sampler,
+                &mut path::Everything,
+            ),
         }
     };
     let value = accept(value);

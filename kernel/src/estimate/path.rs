@@ -3,7 +3,7 @@
 
 use super::Settings;
 use crate::blob::format::NONE;
-use crate::emitter;
+use crate::emitter::{self, Incident};
 use crate::path::{Arrival, Heuristic, Instance, Trace, Walk, joined};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Real, Vec3, square};
@@ -12,6 +12,38 @@ use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
 use crate::surface::Mode;
 
+/// Which paths are wanted, where another estimator makes the others.
+pub(super) trait Wanted {
+    /// What glows on the way that the walk has come.
+    fn glow(&self) -> bool;
+    /// The light that the walk has met, if `distant` behind all surfaces.
+    fn met(&self, distant: bool) -> bool;
+    /// A light drawn at the vertex where the walk is, in a volume or not.
+    fn lit<S>(&self, light: &Incident<S>, in_volume: bool) -> bool;
+    /// The walk has left a vertex.
+    fn left(&mut self, dirac: bool, in_volume: bool);
+}
+
+/// All paths.
+pub(super) struct Everything;
+
+impl Wanted for Everything {
+    #[inline(always)]
+    fn glow(&self) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn met(&self, _: bool) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn lit<S>(&self, _: &Incident<S>, _: bool) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn left(&mut self, _: bool, _: bool) {}
+}
+
 /// One sample.
 #[inline(always)]
 pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
@@ -19,6 +51,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
+    wanted: &mut impl Wanted,
 ) -> K::S {
     let limit = settings.limit();
     let mut radiance = K::S::BLACK;
@@ -34,7 +67,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     let mut from: Option<Vec3> = None;
     loop {
         let arrival = walk.arrive(trace, sampler, &mis);
-        if K::MEDIA {
+        if K::MEDIA && wanted.glow() {
             // What glows on the way, by its integral along the line: no other strategy makes it.
             radiance += walk.glow;
         }
@@ -43,8 +76,9 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         let (vertex, distance) = match arrival {
             Arrival::Vertex(vertex, distance) => (vertex, distance),
             Arrival::Escaped(_) => {
-                if let Some((background, density)) =
-                    emitter::background::<K::S>(scene, walk.ray.direction)
+                if wanted.met(true)
+                    && let Some((background, density)) =
+                        emitter::background::<K::S>(scene, walk.ray.direction)
                 {
                     let weight = if from.is_some() {
                         share(settings.heuristic, walked, density, true)
@@ -58,9 +92,8 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
             Arrival::Cut => break,
         };
         // s = 0.
-        if let Some(e) = scene
-            .shape(vertex.point.shape)
-            .and_then(|s| scene.emitter(s.emitter))
+        if wanted.met(false)
+            && let Some(e) = emitter::on(scene, vertex.point.shape)
         {
             let emitted = emitter::radiance::<K::S>(e, &vertex.point, vertex.previous);
             if !emitted.is_black() {
@@ -84,6 +117,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         if walk.edges >= limit {
             break;
         }
+        let in_volume = K::MEDIA && vertex.scattering.is_some();
         // s = 1.
         if vertex.has_smooth::<K>(scene) {
             let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
@@ -92,6 +126,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
                 emitter::incident::<K::S>(scene, vertex.point.position, choice, xi, more)
                 // What glows is met on the way.
                 && light.medium == NONE
+                && wanted.lit(&light, in_volume)
                 && let Some(joint) = vertex.join::<K>(scene, light.direction, Mode::Radiance)
             {
                 let sight = trace.sees(&vertex, light.direction, light.end, sampler);
@@ -110,9 +145,10 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
                 }
             }
         }
-        if walk.leave(trace, &vertex, sampler).is_none() {
+        let Some(step) = walk.leave(trace, &vertex, sampler) else {
             break;
-        }
+        };
+        wanted.left(step.dirac, in_volume);
         from = (!walk.dirac()).then_some(vertex.point.position);
     }
     radiance

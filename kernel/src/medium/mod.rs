@@ -125,6 +125,62 @@ impl<'a> Way<'_, 'a> {
         }
     }
 
+    /// τ over the way, without random numbers: in closed form, or by regular tracking.
+    pub fn exact<S: Spectrum>(&self) -> S {
+        if self.medium.kind == medium::HOMOGENEOUS {
+            return homogeneous::transmittance(self.medium, self.length());
+        }
+        self.passage().map_or(S::WHITE, |p| p.exact_transmittance())
+    }
+
+    /// From which distance to which there may be anything on the way.
+    pub fn extent(&self) -> Option<(Real, Real)> {
+        if self.medium.kind == medium::HOMOGENEOUS {
+            return Some((0.0, self.length()));
+        }
+        let p = self.passage()?;
+        Some((p.line.start, p.line.end))
+    }
+
+    /// σ_s and E after distance `t`.
+    pub fn at<S: Spectrum>(&self, t: Real) -> (S, S) {
+        if self.medium.kind == medium::HOMOGENEOUS {
+            let sigma = S::from_rgb(self.medium.sigma_t);
+            let scattering = sigma * S::from_rgb(self.medium.albedo);
+            return (scattering, S::from_rgb(self.medium.emission));
+        }
+        match self.passage() {
+            Some(p) => {
+                let sigma = p.sigma::<S>(t);
+                (p.scattering(t, sigma), p.emission(t, sigma))
+            }
+            None => (S::BLACK, S::BLACK),
+        }
+    }
+
+    /// ∫E·τ over the way in closed form; `None` where there is none.
+    pub fn shine<S: Spectrum>(&self) -> Option<S> {
+        if self.medium.kind == medium::HOMOGENEOUS {
+            return Some(homogeneous::shine(self.medium, self.length()));
+        }
+        self.medium
+            .emission
+            .iter()
+            .all(|&e| e <= 0.0)
+            .then_some(S::BLACK)
+    }
+
+    /// The part of the way from distance `a` to `b`.
+    #[must_use]
+    pub fn between(&self, a: Real, b: Real) -> Self {
+        let ray = Ray {
+            origin: self.ray.origin + self.ray.direction * a,
+            t_max: (b - a).max(0.0),
+            ..self.ray
+        };
+        Self { ray, ..*self }
+    }
+
     /// What MIS takes for the density of getting through, if `lead` leads: the same number for the same way in either
     /// direction, up to rounding.
     #[inline(always)]

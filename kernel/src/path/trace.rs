@@ -127,6 +127,8 @@ pub struct Trace<'t, 'a, T, K> {
     pub counters: Counters,
     /// The channel whose densities distances are drawn from ([`crate::medium`]).
     pub lead: usize,
+    /// Transmittance without random numbers, even where they are cheaper.
+    pub exact: bool,
     /// Surfaces that may still be passed, and tentative collisions.
     remaining: u32,
     instance: PhantomData<K>,
@@ -141,6 +143,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             tracer,
             counters: Counters::default(),
             lead,
+            exact: false,
             remaining: MAX_STEPS,
             instance: PhantomData,
         }
@@ -261,6 +264,46 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             }
             distance += t;
             passage.medium = self.behind(&point, ray.direction, passage.medium);
+            ray = past(&ray, &point, t);
+        }
+    }
+
+    /// The first surface that stops `ray`, whatever fills the space before it: `on_way` is told of every way through a medium, and `medium`
+    /// becomes the one in front of that surface.
+    #[cfg_attr(not(feature = "quadrature"), allow(dead_code))]
+    #[inline(always)]
+    pub fn straight(
+        &mut self,
+        mut ray: Ray,
+        medium: &mut u32,
+        sampler: &mut impl Sampler,
+        mut on_way: impl FnMut(&mut Self, &Way<'t, 'a>, u32),
+    ) -> Meeting<K::S> {
+        let mut distance = 0.0;
+        loop {
+            self.counters.closest_rays += 1;
+            let hit = self.tracer.closest(&ray);
+            let found = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)));
+            let end = found.map_or(ray.t_max, |(_, t)| t);
+            if K::MEDIA
+                && let Some(way) = self.way(&ray, end, *medium)
+            {
+                on_way(self, &way, *medium);
+            }
+            let Some((point, t)) = found else {
+                return Meeting::Escaped;
+            };
+            let opacity = self.opacity(&point, ray.direction);
+            if opacity >= 1.0 || (opacity > 0.0 && sampler.one(Purpose::Opacity) < opacity) {
+                return Meeting::Surface(point, distance + t);
+            }
+            if !self.pass() {
+                return Meeting::Cut;
+            }
+            distance += t;
+            if K::MEDIA {
+                *medium = self.behind(&point, ray.direction, *medium);
+            }
             ray = past(&ray, &point, t);
         }
     }
@@ -394,7 +437,11 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             }
             let end = found.map_or(ray.t_max, |(_, t)| t);
             if let Some(way) = self.way(&ray, end, medium) {
-                sight.value *= way.transmittance::<K::S>(&mut self.remaining, sampler);
+                sight.value *= if self.exact {
+                    way.exact()
+                } else {
+                    way.transmittance::<K::S>(&mut self.remaining, sampler)
+                };
                 sight.expected *= way.expected(self.lead);
             }
             sight.medium = medium;
