@@ -20,7 +20,7 @@ use crate::spectrum::Spectrum;
 use crate::surface::Mode;
 
 /// One sample.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     trace: &mut Trace<'_, '_, T, K>,
     settings: &Settings,
@@ -117,8 +117,8 @@ fn look<T: Tracer, K: Instance, P: Sampler>(
     match arrival {
         Arrival::Vertex(vertex, _) => {
             if seen && let Some(e) = emitter::on(trace.scene, vertex.point.shape) {
-                *radiance += walk.throughput
-                    * emitter::radiance::<K::S>(e, &vertex.point, vertex.previous);
+                *radiance +=
+                    walk.throughput * emitter::radiance::<K::S>(e, &vertex.point, vertex.previous);
             }
             Some(vertex)
         }
@@ -149,7 +149,10 @@ fn light<T: Tracer, K: Instance, P: Sampler>(
     for i in 0..count {
         let [choice, fine] = sampler.two(Purpose::Choice);
         let choice = [stratum(choice, i, count), fine];
-        let (xi, more) = (sampler.two(Purpose::Position), sampler.two(Purpose::Emission));
+        let (xi, more) = (
+            sampler.two(Purpose::Position),
+            sampler.two(Purpose::Emission),
+        );
         let y = vertex.point.position;
         if let Some(light) = emitter::incident::<K::S>(trace.scene, y, choice, xi, more)
             // What glows is met on the way.

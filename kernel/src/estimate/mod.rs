@@ -345,11 +345,7 @@ fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
             }
             #[cfg(feature = "quadrature")]
             (Estimator::QuadratureAndPath, _) => {
-                let mut sum =
-                    quadrature::estimate(&mut trace, settings, element, sampler, scratch);
-                let rest = &mut quadrature::Rest::of(element, &settings.rule, scratch);
-                sum += path::estimate(&mut trace, settings, element, sampler, rest);
-                sum
+                quadrature::and_path(&mut trace, settings, element, sampler, scratch)
             }
             // No light walk meets a ray.
             _ => path::estimate(

@@ -12,7 +12,7 @@
 //! miss, which shrinks with their order. [`Rest`] tells a path tracer which paths these are. What stays random is where in its filter and
 //! on its lens a pixel looks, and whether a mask in between is there.
 
-use super::path::Wanted;
+use super::path::{self, Wanted};
 use super::rule::{Nodes, shift};
 use super::{LEVELS, Rule, ScratchView, Settings};
 use crate::blob::Scene;
@@ -48,7 +48,7 @@ struct Line<S> {
 }
 
 /// One sample.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     trace: &mut Trace<'_, '_, T, K>,
     settings: &Settings,
@@ -85,6 +85,21 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     }
     trace.exact = false;
     sum.radiance
+}
+
+/// One sample of all light: what isn't made here by path tracing.
+#[inline(never)]
+pub(super) fn and_path<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
+    settings: &Settings,
+    element: &Element,
+    sampler: &mut P,
+    scratch: &mut ScratchView<'_, K::S>,
+) -> K::S {
+    let mut sum = estimate(trace, settings, element, sampler, scratch);
+    let rest = &mut Rest::of(element, &settings.rule, scratch);
+    sum += path::estimate(trace, settings, element, sampler, rest);
+    sum
 }
 
 /// How many Dirac lobes one after the other are followed.
@@ -215,11 +230,16 @@ impl<S: Spectrum> Sum<'_, S> {
         vertex: &Vertex<S>,
         sampler: &mut impl Sampler,
     ) {
-        self.lights(trace, vertex.point.position, sampler, |trace, light, sampler| {
-            let joint = vertex.join::<K>(trace.scene, light.direction, Mode::Radiance)?;
-            let sight = trace.sees(vertex, light.direction, light.end, sampler);
-            Some(vertex.throughput * joint.value * sight.value)
-        });
+        self.lights(
+            trace,
+            vertex.point.position,
+            sampler,
+            |trace, light, sampler| {
+                let joint = vertex.join::<K>(trace.scene, light.direction, Mode::Radiance)?;
+                let sight = trace.sees(vertex, light.direction, light.end, sampler);
+                Some(vertex.throughput * joint.value * sight.value)
+            },
+        );
     }
 
     /// Irradiance at a point, whose sensor scatters in its way: direct light alone.
@@ -232,8 +252,7 @@ impl<S: Spectrum> Sum<'_, S> {
         medium: u32,
         sampler: &mut impl Sampler,
     ) {
-        let vertex =
-            Vertex::in_volume(position, normal, medium, S::BLACK, S::WHITE, S::WHITE);
+        let vertex = Vertex::in_volume(position, normal, medium, S::BLACK, S::WHITE, S::WHITE);
         self.lights(trace, position, sampler, |trace, light, sampler| {
             let cos = light.direction.dot(normal);
             if cos <= 0.0 {

@@ -132,7 +132,10 @@ mod tests {
     use crate::real::{Real, pow};
 
     fn integral(nodes: Nodes, f: impl Fn(Real) -> Real) -> Real {
-        (0..nodes.count()).map(|i| nodes.get(i)).map(|(x, w)| w * f(x)).sum()
+        (0..nodes.count())
+            .map(|i| nodes.get(i))
+            .map(|(x, w)| w * f(x))
+            .sum()
     }
 
     #[test]
@@ -148,7 +151,10 @@ mod tests {
             }
             let wrong = integral(Nodes::Gauss(n), |x| pow(x, Real::from(2 * n)));
             let off = (wrong * (2.0 * Real::from(n) + 1.0) - 1.0).abs();
-            assert!(n > 4 || off > 1e-5, "order {n}: higher degrees aren't exact");
+            assert!(
+                n > 4 || off > 1e-5,
+                "order {n}: higher degrees aren't exact"
+            );
         }
     }
 
