@@ -8,7 +8,6 @@ mod enclosures;
 mod extremes;
 mod light;
 mod mirrors;
-mod panorama;
 
 use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
