@@ -71,6 +71,8 @@ fn assert_agree(what: &str, a: &[Estimate], b: &[Estimate]) {
 
 /// Path against light against bidirectional by each heuristic.
 fn agree(name: &str, d: &Description, complete: Complete, max_edges: Option<u32>) {
+    // Seen where one of the estimates itself fails.
+    println!("{name}");
     let path = estimates(d, Estimator::Path, Heuristic::Power, max_edges, 40);
     let heuristics = [
         Heuristic::Balance,

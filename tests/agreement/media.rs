@@ -72,6 +72,7 @@ pub fn fogs() -> Vec<Named> {
             m.positions.iter_mut().for_each(|p| p[1] *= 4.0);
         }
     });
+    inside.sensor.medium = Some(0);
     all.push(("the camera in the fog", inside, FromLight));
     let d = room(|b| {
         boxes(b, 0);

@@ -26,6 +26,9 @@ const MAX_COORDINATE: f32 = 1e12;
 /// The least area of a light: the density of a point on it, 1 over it at most, still fits single precision.
 const LEAST_AREA: f64 = 1e-37;
 
+/// A light is small if it is of less than this part of the scene's size.
+const SMALL: f64 = 0.05;
+
 /// A compiled scene.
 #[derive(Clone, Debug)]
 pub struct Compiled {
@@ -233,7 +236,15 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
         .filter(used)
         .any(|m| surfaces.materials[m as usize].kind == material::NULL);
     let mut bits = surfaces.needs & !needs::NULL | if null { needs::NULL } else { 0 } | media.needs;
+    let small = |s: &crate::description::Shape| {
+        s.emission.is_some() && size(&s.geometry) < SMALL * f64::from(radius)
+    };
+    let small = d.shapes.iter().any(small) || !d.emitters.iter().all(|e| is_distant(&e.kind));
     for (holds, bit) in [
+        (
+            small && media.needs & needs::MEDIA != 0,
+            needs::SMALL_LIGHTS,
+        ),
         (!spheres.is_empty(), needs::SPHERES),
         (!geometry.normals.is_empty(), needs::SMOOTH_NORMALS),
         (
@@ -345,6 +356,19 @@ fn optional(id: Option<usize>) -> u32 {
 fn is_distant(kind: &crate::description::EmitterKind) -> bool {
     use crate::description::EmitterKind::{Point, Spot};
     !matches!(kind, Point { .. } | Spot { .. })
+}
+
+/// Half the diagonal of an object's bounding box.
+fn size(g: &Geometry) -> f64 {
+    match g {
+        Geometry::Sphere { radius, .. } => f64::from(*radius),
+        Geometry::Mesh(mesh) => {
+            let corners = mesh.positions.iter().map(|p| glam::Vec3::from(*p));
+            let low = corners.clone().fold(glam::Vec3::INFINITY, glam::Vec3::min);
+            let high = corners.fold(glam::Vec3::NEG_INFINITY, glam::Vec3::max);
+            0.5 * f64::from((high - low).length())
+        }
+    }
 }
 
 fn triangle_area(t: &[[f32; 3]; 3]) -> f64 {

@@ -26,7 +26,7 @@ pub use distant::background;
 
 use crate::blob::Scene;
 use crate::blob::format::{Choice, Emitter, emitter as kind};
-use crate::real::{INV_PI, Real, Vec3, square};
+use crate::real::{INV_PI, Real, Vec3, square, vec3};
 use crate::spectrum::Spectrum;
 
 /// Light that arrives at a point y from a point x₀ drawn for it.
@@ -133,6 +133,50 @@ pub fn incident_from<S: Spectrum>(
         #[cfg(feature = "media")]
         kind::VOLUME => volume::incident(scene, emitter, y, [xi[0], xi[1], more[0]]),
         _ => distant::incident(scene, emitter, xi, more),
+    }
+}
+
+/// A point x₀ of a light that was drawn without knowing for whom: with density p_trace.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    emitter: &'a Emitter,
+    primitive: u32,
+    /// `None`: the light is a point.
+    place: Option<area::Place>,
+}
+
+/// Draws a point of a light; `None` if that lies at infinity, or in a medium.
+#[inline]
+pub fn source<'a>(scene: &Scene<'a>, choice: [Real; 2], xi: [Real; 2]) -> Option<Source<'a>> {
+    let entry = pick_choice(scene.choices(), choice)?;
+    let emitter = scene.emitter(entry.emitter)?;
+    let place = match emitter.kind {
+        kind::AREA => Some(area::place(scene, entry.primitive, xi)?),
+        kind::POINT | kind::SPOT => None,
+        _ => return None,
+    };
+    Some(Source {
+        emitter,
+        primitive: entry.primitive,
+        place,
+    })
+}
+
+impl Source<'_> {
+    /// Where it is.
+    #[inline(always)]
+    pub fn position(&self) -> Vec3 {
+        self.place
+            .map_or(vec3(self.emitter.position), |p| p.position)
+    }
+
+    /// Light that arrives at `y` from it.
+    #[inline(always)]
+    pub fn shine<S: Spectrum>(&self, scene: &Scene<'_>, y: Vec3) -> Option<Incident<S>> {
+        match &self.place {
+            Some(place) => area::shine(scene, self.emitter, self.primitive, place, y),
+            None => point::incident(self.emitter, y),
+        }
     }
 }
 

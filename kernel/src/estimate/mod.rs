@@ -7,6 +7,7 @@
 mod bidirectional;
 #[cfg(feature = "distributed")]
 mod distributed;
+mod equiangular;
 #[cfg(feature = "light")]
 mod light;
 mod path;
@@ -15,6 +16,7 @@ mod plan;
 mod quadrature;
 #[cfg(feature = "quadrature")]
 mod rule;
+mod share;
 
 pub use plan::{LEVELS, Rule, Tree};
 

@@ -1,12 +1,14 @@
 //! Path tracing (Kajiya 1986): a walk from the sensor. At each vertex a light is sampled (s = 1) and
-//! the walk itself may meet one (s = 0); the two share by MIS (Veach 1997, §9.2).
+//! the walk itself may meet one (s = 0); the two share by MIS (Veach 1997, §9.2), with a third where small lights stand
+//! in media.
 
-use super::Settings;
+use super::share::{Strategy, share};
+use super::{Settings, equiangular};
 use crate::blob::format::NONE;
 use crate::emitter::{self, Incident};
-use crate::path::{Arrival, Heuristic, Instance, Trace, Walk, joined};
+use crate::path::{Arrival, Instance, Leg, Trace, Walk, joined};
 use crate::random::{Purpose, Sampler};
-use crate::real::{Real, Vec3, square};
+use crate::real::{Vec3, square};
 use crate::sensor::Element;
 use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
@@ -63,13 +65,23 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     let mis = super::mis(settings, 0.0, 1);
     let medium = super::surroundings(trace, element);
     let mut walk = Walk::<K::S>::from_sensor(&start, medium, 0.0);
-    // Where the walk comes from: the density of having sampled the light from there competes.
-    let mut from: Option<Vec3> = None;
+    // Where the walk comes from, and how it got there through a medium: the densities of having drawn a point of the light
+    // for it, and it for a point of the light, compete.
+    let mut from: Option<(Vec3, Option<Leg<K::S>>)> = None;
     loop {
+        let before = walk.throughput;
         let arrival = walk.arrive(trace, sampler, &mis);
-        if K::MEDIA && wanted.glow() {
-            // What glows on the way, by its integral along the line: no other strategy makes it.
-            radiance += walk.glow;
+        if K::MEDIA {
+            if wanted.glow() {
+                // What glows on the way, by its integral along the line: no other strategy makes it.
+                radiance += walk.glow;
+            }
+            if let Some((leg, count)) = walk.drawn
+                && walk.edges < limit
+            {
+                radiance +=
+                    equiangular::estimate(trace, settings, &leg, count, before, sampler, wanted);
+            }
         }
         // How a walk would have come here: by its direction, and through the media on the way.
         let walked = walk.pdf() * walk.expected;
@@ -81,7 +93,11 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
                         emitter::background::<K::S>(scene, walk.ray.direction)
                 {
                     let weight = if from.is_some() {
-                        share(settings.heuristic, walked, density, true)
+                        let rivals = [
+                            (Strategy::Drawn, density / walked),
+                            (Strategy::Equiangular, 0.0),
+                        ];
+                        share(settings.heuristic, Strategy::Met, rivals)
                     } else {
                         1.0
                     };
@@ -98,7 +114,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
             let emitted = emitter::radiance::<K::S>(e, &vertex.point, vertex.previous);
             if !emitted.is_black() {
                 let weight = match from {
-                    Some(y) => {
+                    Some((y, leg)) => {
                         let density = emitter::connect_density(
                             scene,
                             e,
@@ -107,7 +123,15 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
                             walk.ray.direction,
                             distance,
                         );
-                        share(settings.heuristic, walked, density, true)
+                        let cos = vertex.previous.dot(vertex.point.normal);
+                        let blind = emitter::trace_density(e) * square(distance) / cos;
+                        let by_angle =
+                            equiangular::rival(trace, leg.as_ref(), vertex.point.position);
+                        let rivals = [
+                            (Strategy::Drawn, density / walked),
+                            (Strategy::Equiangular, by_angle * blind / walked),
+                        ];
+                        share(settings.heuristic, Strategy::Met, rivals)
                     }
                     None => 1.0,
                 };
@@ -118,6 +142,9 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
             break;
         }
         let in_volume = K::MEDIA && vertex.scattering.is_some();
+        let leg = walk
+            .leg
+            .filter(|_| vertex.scattering.is_some() && equiangular::wanted(trace));
         // s = 1.
         if vertex.has_smooth::<K>(scene) {
             let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
@@ -131,12 +158,19 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
             {
                 let sight = trace.sees(&vertex, light.direction, light.end, sampler);
                 if !sight.value.is_black() {
-                    let weight = if light.dirac {
-                        1.0
+                    let met = if light.dirac {
+                        0.0
                     } else {
-                        let walked = joint.pdf * sight.expected;
-                        share(settings.heuristic, light.pdf, walked, false)
+                        joint.pdf * sight.expected / light.pdf
                     };
+                    let by_angle = light
+                        .end
+                        .map_or(0.0, |x0| equiangular::rival(trace, leg.as_ref(), x0));
+                    let rivals = [
+                        (Strategy::Met, met),
+                        (Strategy::Equiangular, by_angle * light.trace_over_connect),
+                    ];
+                    let weight = share(settings.heuristic, Strategy::Drawn, rivals);
                     radiance += walk.throughput
                         * joint.value
                         * light.radiance
@@ -149,35 +183,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
             break;
         };
         wanted.left(step.dirac, in_volume);
-        from = (!walk.dirac()).then_some(vertex.point.position);
+        from = (!walk.dirac()).then_some((vertex.point.position, leg));
     }
     radiance
-}
-
-/// The weight of a strategy with density `own` that shares a path with one of density `other`;
-/// `first` says which of them wins a tie.
-#[inline(always)]
-fn share(heuristic: Heuristic, own: Real, other: Real, first: bool) -> Real {
-    let ratio = other / own;
-    let w = match heuristic {
-        Heuristic::Balance => 1.0 / (1.0 + ratio),
-        Heuristic::Power => 1.0 / (1.0 + square(ratio)),
-        Heuristic::Cutoff => {
-            if ratio * crate::path::CUTOFF > 1.0 {
-                0.0
-            } else if ratio < crate::path::CUTOFF {
-                1.0
-            } else {
-                1.0 / (1.0 + ratio)
-            }
-        }
-        Heuristic::Maximum => {
-            if ratio < 1.0 || (ratio == 1.0 && first) {
-                1.0
-            } else {
-                0.0
-            }
-        }
-    };
-    if w.is_finite() { w } else { 0.0 }
 }

@@ -334,7 +334,9 @@ impl<S: Spectrum> Sum<'_, S> {
         if let Some(glow) = way.shine::<S>() {
             found += glow;
         } else if let Some(even) = Steps::even(start, end) {
-            found += self.trapezoid(way, &even, steps, part, |_, t| Some(way.at::<S>(t).1));
+            found += self.trapezoid(way, (start, end), &even, steps, part, |_, t| {
+                Some(way.emission::<S>(t))
+            });
         }
         if !further {
             return found;
@@ -353,8 +355,8 @@ impl<S: Spectrum> Sum<'_, S> {
             };
             let Some(nodes) = nodes else { continue };
             let probability = emitter::probability(scene, choice);
-            found += self.trapezoid(way, &nodes, steps, part, |x, t| {
-                let (scattering, _) = way.at::<S>(t);
+            found += self.trapezoid(way, (start, end), &nodes, steps, part, |x, t| {
+                let (_, scattering) = way.matter::<S>(t);
                 if scattering.is_black() {
                     return None;
                 }
@@ -380,6 +382,7 @@ impl<S: Spectrum> Sum<'_, S> {
     fn trapezoid(
         &mut self,
         way: &Way<'_, '_>,
+        (start, end): (Real, Real),
         nodes: &Steps,
         steps: u16,
         part: Real,
@@ -406,6 +409,7 @@ impl<S: Spectrum> Sum<'_, S> {
             if !(t.is_finite() && length.is_finite()) {
                 continue;
             }
+            let t = t.clamp(start, end.max(start));
             through *= way.between(before, t).exact::<S>();
             before = t;
             if let Some(value) = f(way.ray.origin + way.ray.direction * t, t) {

@@ -142,19 +142,14 @@ impl<'a> Way<'_, 'a> {
         Some((p.line.start, p.line.end))
     }
 
-    /// σ_s and E after distance `t`.
-    pub fn at<S: Spectrum>(&self, t: Real) -> (S, S) {
+    /// E at `t`.
+    pub fn emission<S: Spectrum>(&self, t: Real) -> S {
         if self.medium.kind == medium::HOMOGENEOUS {
-            let sigma = S::from_rgb(self.medium.sigma_t);
-            let scattering = sigma * S::from_rgb(self.medium.albedo);
-            return (scattering, S::from_rgb(self.medium.emission));
+            return S::from_rgb(self.medium.emission);
         }
         match self.passage() {
-            Some(p) => {
-                let sigma = p.sigma::<S>(t);
-                (p.scattering(t, sigma), p.emission(t, sigma))
-            }
-            None => (S::BLACK, S::BLACK),
+            Some(p) => p.emission(t, p.sigma::<S>(t)),
+            None => S::BLACK,
         }
     }
 
@@ -179,6 +174,21 @@ impl<'a> Way<'_, 'a> {
             ..self.ray
         };
         Self { ray, ..*self }
+    }
+
+    /// σ_t and σ_s at `t`.
+    pub fn matter<S: Spectrum>(&self, t: Real) -> (S, S) {
+        if self.medium.kind == medium::HOMOGENEOUS {
+            let sigma = S::from_rgb(self.medium.sigma_t);
+            return (sigma, sigma * S::from_rgb(self.medium.albedo));
+        }
+        match self.passage() {
+            Some(p) if p.line.start <= t && t <= p.line.end => {
+                let sigma = p.sigma::<S>(t);
+                (sigma, p.scattering(t, sigma))
+            }
+            _ => (S::BLACK, S::BLACK),
+        }
     }
 
     /// What MIS takes for the density of getting through, if `lead` leads: the same number for the same way in either

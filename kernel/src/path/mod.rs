@@ -2,6 +2,7 @@
 //! by which all ways of making one path share it.
 
 mod boundary;
+mod equiangular;
 mod history;
 mod instance;
 mod trace;
@@ -9,11 +10,12 @@ mod vertex;
 mod walk;
 mod weight;
 
+pub use equiangular::Equiangular;
 pub use history::{History, HistoryView, Link};
 #[cfg(feature = "media")]
 pub use instance::Volumes;
 pub use instance::{Instance, Surfaces};
-pub use trace::{Counters, MAX_STEPS, Meeting, Passage, Sight, Trace, roulette};
+pub use trace::{Counters, Leg, MAX_STEPS, Meeting, Passage, Sight, Trace, roulette};
 pub use vertex::{Joint, Step, Vertex};
 pub use walk::{Arrival, Walk, connect_first, emission_terms, joined, source_facing};
 pub use weight::{CUTOFF, Heuristic, Junction, Mis, Terms};

@@ -7,7 +7,7 @@ use super::boundary::{PARTS_NOTHING, side, sides};
 use super::instance::Instance;
 use super::vertex::Vertex;
 use crate::blob::Scene;
-use crate::blob::format::{NONE, Shape, material};
+use crate::blob::format::{NONE, Shape, material, needs};
 use crate::medium::{Carried, Collision, Flight, Way};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Real, Vec3, sqrt};
@@ -81,6 +81,19 @@ pub enum Meeting<S> {
     Cut,
 }
 
+/// A way through one medium that a walk has begun.
+#[derive(Clone, Copy, Debug)]
+pub struct Leg<S> {
+    /// The medium.
+    pub medium: u32,
+    /// The way: its origin is where the walk entered the medium, or the vertex it left; `t_max` is where the medium ends.
+    pub ray: Ray,
+    /// How far along the walk collided, if it did.
+    pub t: Real,
+    /// What it carried where it began, relative to the vertex it left.
+    pub carried: Carried<S>,
+}
+
 /// A walk between two of its vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage<S> {
@@ -92,6 +105,31 @@ pub struct Passage<S> {
     pub glow: S,
     /// The probability of getting so far, as the weights assume it.
     pub expected: Real,
+    /// The last way through a medium.
+    pub leg: Option<Leg<S>>,
+    /// One of them all, drawn uniformly, and how many there were.
+    pub drawn: Option<(Leg<S>, u32)>,
+}
+
+impl<S: Spectrum> Passage<S> {
+    /// Begins a way.
+    #[inline(always)]
+    fn enter(&mut self, way: &Way<'_, '_>, sampler: &mut impl Sampler) {
+        let leg = Leg {
+            medium: self.medium,
+            ray: way.ray,
+            t: 0.0,
+            carried: self.carried,
+        };
+        self.leg = Some(leg);
+        // A reservoir of one: the n-th takes the place of the one before with probability 1/n.
+        let n = self.drawn.map_or(0, |(_, n)| n) + 1;
+        let stay = n > 1 && sampler.one(Purpose::Flight) * n as Real >= 1.0;
+        self.drawn = match self.drawn {
+            Some((before, _)) if stay => Some((before, n)),
+            _ => Some((leg, n)),
+        };
+    }
 }
 
 /// What is between two points.
@@ -229,6 +267,9 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             let found = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)));
             let end = found.map_or(ray.t_max, |(_, t)| t);
             if let Some(way) = self.way(&ray, end, passage.medium) {
+                if self.scene.has(needs::SMALL_LIGHTS) {
+                    passage.enter(&way, sampler);
+                }
                 let flight = way.fly(
                     self.lead,
                     &mut passage.carried,
@@ -306,6 +347,26 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             }
             ray = past(&ray, &point, t);
         }
+    }
+
+    /// A way through a medium that begins like `leg` and goes on for `length`.
+    #[inline(always)]
+    pub fn along(&self, leg: &Leg<K::S>, length: Real) -> Option<Way<'t, 'a>> {
+        let ray = Ray {
+            t_max: length,
+            ..leg.ray
+        };
+        Some(Way {
+            scene: self.scene,
+            medium: self.scene.medium(leg.medium)?,
+            ray,
+        })
+    }
+
+    /// τ over `way`.
+    #[inline(always)]
+    pub fn transmittance(&mut self, way: &Way<'_, '_>, sampler: &mut impl Sampler) -> K::S {
+        way.transmittance(&mut self.remaining, sampler)
     }
 
     /// The way through `medium` from where `ray` begins to `end`; `None` through a vacuum.

@@ -2,7 +2,7 @@
 //! radiance), from a light importance's.
 
 use super::instance::Instance;
-use super::trace::{MAX_STEPS, Meeting, Passage, Trace, roulette};
+use super::trace::{Leg, MAX_STEPS, Meeting, Passage, Trace, roulette};
 use super::vertex::{Step, Vertex};
 use super::weight::{Mis, Terms};
 use crate::emitter::{self, Emission};
@@ -30,6 +30,10 @@ pub struct Walk<S> {
     pub glow: S,
     /// E where it collided last.
     pub emission: S,
+    /// Where the way through a medium began on which it collided last.
+    pub leg: Option<Leg<S>>,
+    /// One of the ways through media that it has gone since it left a vertex, drawn uniformly, and how many there were.
+    pub drawn: Option<(Leg<S>, u32)>,
     /// `throughput` relative to the beginning, without refraction's η²: what roulette looks at.
     relative: S,
     /// Density of the direction per solid angle (of the place of parallel rays, per perpendicular area).
@@ -76,6 +80,8 @@ impl<S: Spectrum> Walk<S> {
             medium,
             glow: S::BLACK,
             emission: S::BLACK,
+            leg: None,
+            drawn: None,
             relative: S::WHITE,
             pdf: start.density,
             parallel: start.parallel,
@@ -114,6 +120,8 @@ impl<S: Spectrum> Walk<S> {
             medium: emission.medium,
             glow: S::BLACK,
             emission: S::BLACK,
+            leg: None,
+            drawn: None,
             relative: S::WHITE,
             pdf: emission.direction_pdf,
             parallel: emission.distant,
@@ -148,6 +156,8 @@ impl<S: Spectrum> Walk<S> {
             },
             glow: S::BLACK,
             expected: 1.0,
+            leg: None,
+            drawn: None,
         };
         let meeting = trace.meet(self.ray, &mut passage, sampler);
         if K::MEDIA {
@@ -157,6 +167,7 @@ impl<S: Spectrum> Walk<S> {
             self.throughput *= passage.carried.throughput;
             self.relative *= passage.carried.throughput;
             self.expected = passage.expected;
+            (self.leg, self.drawn) = (passage.leg, passage.drawn);
         }
         match meeting {
             Meeting::Surface(point, distance) => {
