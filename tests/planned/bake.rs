@@ -118,3 +118,70 @@ fn what_nothing_covers_stays_black_unless_dilated() {
     let map = bake(&scene, &mesh, &how, &|_| ()).unwrap();
     assert!((0..8).all(|x| black(&map.texels, x) == (x >= 6)));
 }
+
+/// Lights that no walk meets: a point at height 2 over the place, a spot that looks down on it, a sun.
+#[test]
+fn points_spots_and_suns_shine_on_irradiance_sensors() {
+    use etendue::Scratch;
+    use etendue::real::Vec3;
+    use etendue_host::description::EmitterKind;
+    let lights = [
+        (
+            EmitterKind::Point {
+                position: [0.0, 1.5, 2.0],
+                intensity: [5.0; 3],
+            },
+            // I·cos/d² with d² = 1.5² + 2², cos = 2/2.5.
+            5.0 * 0.8 / 6.25,
+        ),
+        (
+            EmitterKind::Spot {
+                position: [0.0, 0.0, 2.0],
+                direction: [0.0, 0.0, -1.0],
+                intensity: [3.0; 3],
+                cutoff: 0.5,
+                beam_width: 0.4,
+            },
+            0.75,
+        ),
+        (
+            EmitterKind::Directional {
+                direction: [0.6, 0.0, -0.8],
+                irradiance: [2.0; 3],
+            },
+            1.6,
+        ),
+    ];
+    for (kind, truth) in lights {
+        let mut b = Builder::new();
+        b.sphere([0.0, 0.0, -5.0], 1.0, None);
+        b.light(kind.clone());
+        let bytes = blob(&b.description);
+        let scene = Scene::open(bytes.bytes()).unwrap();
+        for estimator in [
+            Estimator::Path,
+            Estimator::Light,
+            Estimator::Bidirectional,
+            Estimator::Distributed,
+            Estimator::Quadrature,
+            Estimator::QuadratureAndPath,
+        ] {
+            let settings = Settings {
+                estimator,
+                ..Settings::default()
+            };
+            let mut scratch = Scratch::<8>::new();
+            let e = scene
+                .irradiance(&settings, Vec3::ZERO, Vec3::Z, 0, 0, &mut scratch)
+                .g;
+            assert!(
+                (e / truth - 1.0).abs() < 1e-4,
+                "{kind:?} {estimator:?}: {e}, expected {truth}"
+            );
+            let behind = scene
+                .irradiance(&settings, Vec3::ZERO, -Vec3::Z, 0, 0, &mut scratch)
+                .g;
+            assert_eq!(behind, 0.0, "{kind:?} {estimator:?}");
+        }
+    }
+}

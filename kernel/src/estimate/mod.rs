@@ -10,6 +10,7 @@ mod distributed;
 mod equiangular;
 #[cfg(feature = "light")]
 mod light;
+mod patch;
 mod path;
 mod plan;
 #[cfg(feature = "quadrature")]
@@ -68,6 +69,15 @@ impl Estimator {
             Self::Light => true,
             #[cfg(feature = "bidirectional")]
             Self::Bidirectional => true,
+            _ => false,
+        }
+    }
+
+    /// Whether direct light comes from a rule.
+    const fn is_quadrature(self) -> bool {
+        match self {
+            #[cfg(feature = "quadrature")]
+            Self::Quadrature | Self::QuadratureAndPath => true,
             _ => false,
         }
     }
@@ -322,7 +332,7 @@ fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
     let mut rejected = 0;
-    let value: K::S = {
+    let mut value: K::S = {
         #[cfg_attr(not(feature = "light"), allow(unused_variables))]
         let splat = &mut |pixel, value: K::S| match accept(value) {
             Some(v) => splat(pixel, v),
@@ -359,6 +369,13 @@ fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
             ),
         }
     };
+    if let Element::Irradiance { position, normal } = *element
+        && settings.limit() > 0
+        && !settings.estimator.is_quadrature()
+    {
+        let medium = surroundings(&mut trace, element);
+        value += patch::direct(&mut trace, position, normal, medium, sampler);
+    }
     let value = accept(value);
     trace.counters.rejected += rejected + u64::from(value.is_none());
     *scratch.counters += trace.counters;
