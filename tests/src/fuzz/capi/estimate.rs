@@ -64,6 +64,8 @@ pub(super) fn settings(s: &mut Source<'_>) -> Result<Struct<EtdSettings>> {
     let which = number(s, ALWAYS.len())?;
     value.estimator = match ALWAYS.get(which as usize) {
         Some(&known) => known,
+        // It depends on the scene whether that one answers.
+        None if which == ETD_QUADRATURE => u32::MAX,
         None => which,
     };
     value.heuristic = number(s, 4)?;
@@ -104,7 +106,8 @@ impl Program<'_> {
         let scratch = self.scratch()?;
         let settings = settings(&mut self.s)?;
         let mut recorder = Recorder::new(&mut self.s, scene.size)?;
-        let splats = pixels && settings.get().estimator != ETD_PATH;
+        let splats =
+            pixels && [ETD_LIGHT, ETD_BIDIRECTIONAL].contains(&settings.get().estimator);
         let hooks = hooks(&mut self.s, &mut recorder, splats)?;
         Ok(Common {
             scene,
