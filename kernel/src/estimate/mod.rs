@@ -124,7 +124,8 @@ impl Settings {
 }
 
 /// Memory that an estimate works in, owned by the caller: `N` bounds the light walk's vertices (strategies
-/// with more don't exist), not the length of paths.
+/// with more don't exist), not the length of paths. It bounds the depth of [`Estimator::Distributed`]'s trees, too, and how many Dirac
+/// lobes [`Estimator::Quadrature`] follows one after the other.
 #[derive(Clone)]
 pub struct Scratch<const N: usize = 32, S: Spectrum = Rgb> {
     light: heapless::Vec<Vertex<S>, N>,

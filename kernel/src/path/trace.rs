@@ -20,7 +20,7 @@ use core::marker::PhantomData;
 ///
 /// With it the work of a sample is bounded: two walks of so many edges, at most N + 2 segments asked to be free at each vertex
 /// (N: the scratch's capacity), so many surfaces passed: (N + 5)·2¹⁶ queries of the tree, each of which visits every node and
-/// primitive at most once.
+/// primitive at most once. A ray tree has at most so many rays, each with at most 255 lights sampled at its end; a quadrature so many evaluations.
 pub const MAX_STEPS: u32 = 1 << 16;
 
 /// The farthest part of a segment that is not asked about, relative to its length: the rounding of
