@@ -48,6 +48,9 @@
 // Parallel rays.
 #define ETD_ORTHOGRAPHIC 1
 
+// All directions around a point, lat-long: `direction` in the middle, `up` at the top.
+#define ETD_PANORAMA 2
+
 // Constant within the radius.
 #define ETD_FILTER_BOX 0
 
@@ -228,7 +231,7 @@ typedef struct EtdBuilt {
 typedef struct EtdCamera {
     // sizeof(EtdCamera).
     uint32_t struct_size;
-    // `ETD_PERSPECTIVE` or `ETD_ORTHOGRAPHIC`.
+    // `ETD_PERSPECTIVE`, `ETD_ORTHOGRAPHIC` or `ETD_PANORAMA`.
     uint32_t projection;
     // Where it is, world units.
     float origin[3];
@@ -237,13 +240,13 @@ typedef struct EtdCamera {
     // What is up in the image; any length but 0, not along `direction`.
     float up[3];
     // `ETD_PERSPECTIVE`: the angle that the image's width spans, radians, in (0, π). `ETD_ORTHOGRAPHIC`: the image's width, world units.
-    // Pixels are square.
+    // Pixels are square. `ETD_PANORAMA`: not read; the image spans everything.
     float field;
     // Radius of the lens, world units; 0: a pinhole.
     float aperture;
     // Distance to the plane in focus, along the axis, world units.
     float focus;
-    // Nearest and farthest depth that is seen, along the axis, world units.
+    // Nearest and farthest depth that is seen, along the axis (`ETD_PANORAMA`: distance), world units.
     float clip[2];
     // Offset of the principal point, in widths and heights of the image.
     float principal[2];

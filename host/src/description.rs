@@ -62,7 +62,7 @@ pub struct Sensor {
     pub down: [f32; 3],
     /// The optical axis, into the scene, unit.
     pub forward: [f32; 3],
-    /// Nearest and farthest depth along the axis.
+    /// Nearest and farthest depth along the axis (panorama: distance).
     pub clip: [f32; 2],
     /// Offset of the principal point in units of image width and height: a point (x, y) of the film
     /// looks where (x, y) + `principal` would without it.
@@ -94,6 +94,8 @@ pub enum Projection {
         /// Half-extents in x and y.
         half_extent: [f32; 2],
     },
+    /// All directions around the origin, lat-long: forward in the middle.
+    Panorama,
 }
 
 /// A pixel filter; radii in pixels.

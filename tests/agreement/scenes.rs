@@ -439,6 +439,14 @@ pub fn lights() -> Vec<Named> {
     ]
 }
 
+/// Makes the camera a panorama amid the room, its seam at a wall.
+fn panorama(d: &mut Description, filter: Filter) {
+    let s = &mut d.sensor;
+    (s.projection, s.filter) = (Projection::Panorama, filter);
+    (s.origin, s.resolution) = ([0.1, -0.5, 1.1], [16, 8]);
+    (s.right, s.down, s.forward) = ([0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]);
+}
+
 /// Crop, lens, filters, projections, mirrored cameras.
 pub fn sensors() -> Vec<Named> {
     let with = |name: &'static str, change: &dyn Fn(&mut Description)| {
@@ -498,6 +506,21 @@ pub fn sensors() -> Vec<Named> {
             d.sensor.filter = Filter::Tent { radius: 1.2 };
             d.sensor.resolution = [32, 32];
             d.sensor.crop = Some([4, 8, 24, 20]);
+        }),
+        with("panorama", &|d| panorama(d, Filter::Box { radius: 0.5 })),
+        with("panorama, wide filter across seam and poles", &|d| {
+            panorama(d, Filter::Tent { radius: 3.0 })
+        }),
+        with("panorama, gaussian filter and crop at the seam", &|d| {
+            panorama(
+                d,
+                Filter::Gaussian {
+                    sigma: 1.0,
+                    radius: 3.0,
+                },
+            );
+            d.sensor.resolution = [40, 20];
+            d.sensor.crop = Some([0, 0, 12, 20]);
         }),
         with("near and far planes", &|d| d.sensor.clip = [2.9, 4.1]),
     ]

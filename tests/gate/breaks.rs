@@ -153,7 +153,7 @@ fn world() -> Vec<Break> {
 fn sensor() -> Vec<Break> {
     let s = |rule, change: fn(&mut Sensor)| record(rule, section::SENSOR, 0, change);
     vec![
-        s(Rule::SensorKind, |s| s.kind = 2),
+        s(Rule::SensorKind, |s| s.kind = 3),
         s(Rule::SensorFilter, |s| s.filter = 3),
         s(Rule::SensorFilterRadius, |s| s.filter_radius = 0.0),
         s(Rule::SensorFilterRadius, |s| s.filter_radius = 8.1),
@@ -176,6 +176,10 @@ fn sensor() -> Vec<Break> {
         s(Rule::SensorRight, |s| s.right = [0.0; 3]),
         s(Rule::SensorDown, |s| s.down = [1.0; 3]),
         s(Rule::SensorForward, |s| s.forward[0] = f32::NAN),
+        s(Rule::SensorAxes, |s| {
+            s.kind = etendue::blob::format::sensor::PANORAMA;
+            s.right = s.forward;
+        }),
         s(Rule::SensorMedium, |s| s.medium = 2),
         s(Rule::SensorReserved, |s| s.reserved[0] = 1),
     ]

@@ -58,6 +58,7 @@ fn contents(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
     let s = scene.sensor();
     let kind = match (s.kind, s.aperture > 0.0) {
         (sensor::ORTHOGRAPHIC, _) => "orthographic",
+        (sensor::PANORAMA, _) => "panorama",
         (_, true) => "thin lens",
         _ => "pinhole",
     };

@@ -301,6 +301,7 @@ pub(super) fn sensor(s: &crate::description::Sensor, medium: Option<usize>) -> f
         Projection::Orthographic { half_extent } => {
             (format::sensor::ORTHOGRAPHIC, half_extent, 0.0, 1.0)
         }
+        Projection::Panorama => (format::sensor::PANORAMA, [1.0; 2], 0.0, 1.0),
     };
     let (filter, filter_radius, filter_sigma) = match s.filter {
         Filter::Box { radius } => (format::sensor::BOX, radius, 0.0),

@@ -499,6 +499,9 @@ pub mod sensor {
     pub const PERSPECTIVE: u32 = 0;
     /// Parallel rays.
     pub const ORTHOGRAPHIC: u32 = 1;
+    /// All directions around a point, lat-long: forward in the middle, right at three quarters, up at the top row; columns are equal
+    /// steps of longitude, rows equal steps of the angle from up. `right`, `down` and `forward` are perpendicular.
+    pub const PANORAMA: u32 = 2;
     /// Filter: 1 within the pixel (times 2·radius).
     pub const BOX: u32 = 0;
     /// Filter: a pyramid of half-width `filter_radius`.
@@ -525,13 +528,13 @@ pub struct Sensor {
     pub crop_offset: [u32; 2],
     /// Crop window: columns and rows, ≥ 1: the image.
     pub crop_size: [u32; 2],
-    /// Perspective: tangents of the half-angles of the full image in x and y. Orthographic: its half-extents.
+    /// Perspective: tangents of the half-angles of the full image in x and y. Orthographic: its half-extents. Panorama: not read.
     pub half_extent: [f32; 2],
     /// Thin lens: its radius.
     pub aperture: f32,
     /// Thin lens: distance to the plane in focus, along the axis.
     pub focus: f32,
-    /// Nearest and farthest depth along the axis that the sensor sees.
+    /// Nearest and farthest depth that the sensor sees: along the axis, by a panorama from its centre.
     pub clip: [f32; 2],
     /// Centre of projection.
     pub origin: [f32; 3],
@@ -544,7 +547,7 @@ pub struct Sensor {
     /// Medium it stands in; [`NONE`]: vacuum.
     pub medium: u32,
     /// Shift of the film in units of the full image's width and height: film point x looks where x + `principal`
-    /// would without it.
+    /// would without it. Panorama: not read.
     pub principal: [f32; 2],
     /// Zero.
     pub reserved: [u32; 1],

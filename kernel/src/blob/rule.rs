@@ -101,7 +101,7 @@ rules! {
     WorldExteriorDistant Mismatch c"where the exterior takes light away, there must be no emitters at infinity"
     WorldReserved Reserved c"reserved words must be 0"
     // Sensor.
-    SensorKind Kind c"kind must be perspective or orthographic"
+    SensorKind Kind c"kind must be perspective, orthographic or panorama"
     SensorFilter Kind c"filter must be box, tent or gaussian"
     SensorFilterRadius Range c"filter_radius must be in [0.001, 8]"
     SensorFilterSigma Range c"filter_sigma must be in [0, 8], for a gaussian at least 0.001"
@@ -117,6 +117,7 @@ rules! {
     SensorRight Range c"right must be a unit vector"
     SensorDown Range c"down must be a unit vector"
     SensorForward Range c"forward must be a unit vector"
+    SensorAxes Range c"a panorama's right, down and forward must be perpendicular"
     SensorMedium Reference c"medium must be a medium's index, or none"
     SensorReserved Reserved c"reserved words must be 0"
     // Nodes.

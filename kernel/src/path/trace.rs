@@ -20,7 +20,7 @@ use core::marker::PhantomData;
 ///
 /// With it the work of a sample is bounded: two walks of so many edges, at most N + 2 segments asked to be free at each vertex
 /// (N: the scratch's capacity), so many surfaces passed: (N + 5)·2¹⁶ queries of the tree, each of which visits every node and
-/// primitive at most once.
+/// primitive at most once. A ray tree has at most so many rays, each with at most 255 lights sampled at its end; a quadrature so many evaluations.
 pub const MAX_STEPS: u32 = 1 << 16;
 
 /// The farthest part of a segment that is not asked about, relative to its length: the rounding of
@@ -165,6 +165,8 @@ pub struct Trace<'t, 'a, T, K> {
     pub counters: Counters,
     /// The channel whose densities distances are drawn from ([`crate::medium`]).
     pub lead: usize,
+    /// Transmittance without random numbers, even where they are cheaper.
+    pub exact: bool,
     /// Surfaces that may still be passed, and tentative collisions.
     remaining: u32,
     instance: PhantomData<K>,
@@ -179,6 +181,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             tracer,
             counters: Counters::default(),
             lead,
+            exact: false,
             remaining: MAX_STEPS,
             instance: PhantomData,
         }
@@ -305,6 +308,46 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             }
             distance += t;
             passage.medium = self.behind(&point, ray.direction, passage.medium);
+            ray = past(&ray, &point, t);
+        }
+    }
+
+    /// The first surface that stops `ray`, whatever fills the space before it: `on_way` is told of every way through a medium, and `medium`
+    /// becomes the one in front of that surface.
+    #[cfg_attr(not(feature = "quadrature"), allow(dead_code))]
+    #[inline(always)]
+    pub fn straight(
+        &mut self,
+        mut ray: Ray,
+        medium: &mut u32,
+        sampler: &mut impl Sampler,
+        mut on_way: impl FnMut(&mut Self, &Way<'t, 'a>, u32),
+    ) -> Meeting<K::S> {
+        let mut distance = 0.0;
+        loop {
+            self.counters.closest_rays += 1;
+            let hit = self.tracer.closest(&ray);
+            let found = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)));
+            let end = found.map_or(ray.t_max, |(_, t)| t);
+            if K::MEDIA
+                && let Some(way) = self.way(&ray, end, *medium)
+            {
+                on_way(self, &way, *medium);
+            }
+            let Some((point, t)) = found else {
+                return Meeting::Escaped;
+            };
+            let opacity = self.opacity(&point, ray.direction);
+            if opacity >= 1.0 || (opacity > 0.0 && sampler.one(Purpose::Opacity) < opacity) {
+                return Meeting::Surface(point, distance + t);
+            }
+            if !self.pass() {
+                return Meeting::Cut;
+            }
+            distance += t;
+            if K::MEDIA {
+                *medium = self.behind(&point, ray.direction, *medium);
+            }
             ray = past(&ray, &point, t);
         }
     }
@@ -458,7 +501,11 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             }
             let end = found.map_or(ray.t_max, |(_, t)| t);
             if let Some(way) = self.way(&ray, end, medium) {
-                sight.value *= way.transmittance::<K::S>(&mut self.remaining, sampler);
+                sight.value *= if self.exact {
+                    way.exact()
+                } else {
+                    way.transmittance::<K::S>(&mut self.remaining, sampler)
+                };
                 sight.expected *= way.expected(self.lead);
             }
             sight.medium = medium;

@@ -165,7 +165,7 @@ impl<S: Spectrum> Vertex<S> {
 
     /// Takes note of the media that the surface parts.
     #[inline(always)]
-    pub(super) fn look_around(&mut self, scene: &Scene<'_>) {
+    pub fn look_around(&mut self, scene: &Scene<'_>) {
         let [here, _] = self.media;
         self.media = sides(scene, &self.point, here);
     }
@@ -229,6 +229,23 @@ impl<S: Spectrum> Vertex<S> {
         let s = self.surface.sample(w, mode, lobe, xi)?;
         let direction = self.frame.world(s.wi);
         Step::new(direction, s, self.correction(w, s.wi, direction, mode)?)
+    }
+
+    /// The Dirac lobe number `index` of a surface, as if there were no other; a black one has no weight. `None` behind the last.
+    #[cfg_attr(not(feature = "quadrature"), allow(dead_code))]
+    #[inline(always)]
+    pub fn dirac_lobe(&self, scene: &Scene<'_>, index: u32) -> Option<Step<S>> {
+        let _ = scene;
+        let w = self.frame.local(self.previous);
+        let s = self.surface.dirac_lobe(w, Mode::Radiance, index)?;
+        Some(Step {
+            direction: self.frame.world(s.wi),
+            weight: s.weight,
+            pdf: s.pdf,
+            pdf_reverse: s.pdf_reverse,
+            dirac: true,
+            eta_scale: s.eta_scale,
+        })
     }
 
     /// What joining the vertex to something in `direction` gives.

@@ -264,6 +264,39 @@ impl<S: Spectrum> Walk<S> {
         }
         self.throughput = throughput;
         self.relative = relative;
+        self.set_off(trace, vertex, &step);
+        Some(step)
+    }
+
+    /// One of several walks that leave `vertex`, where this walk's edge number `edges` ended, each with its `share` of what
+    /// came there. No roulette.
+    #[inline(always)]
+    pub fn branch<T, K: Instance<S = S>>(
+        &self,
+        trace: &Trace<'_, '_, T, K>,
+        vertex: &Vertex<S>,
+        step: &Step<S>,
+        share: Real,
+        edges: u32,
+    ) -> Self {
+        let mut walk = Self {
+            throughput: vertex.throughput * step.weight * share,
+            ratio: vertex.ratio,
+            edges,
+            ..*self
+        };
+        walk.set_off(trace, vertex, step);
+        walk
+    }
+
+    /// On its way from `vertex` along `step`.
+    #[inline(always)]
+    fn set_off<T, K: Instance<S = S>>(
+        &mut self,
+        trace: &Trace<'_, '_, T, K>,
+        vertex: &Vertex<S>,
+        step: &Step<S>,
+    ) {
         self.ray = Ray {
             origin: vertex.point.leave(step.direction),
             direction: step.direction,
@@ -281,7 +314,6 @@ impl<S: Spectrum> Walk<S> {
         self.dirac = step.dirac;
         self.next_a = 1.0;
         self.edges += 1;
-        Some(step)
     }
 
     /// Whether the direction it goes in was drawn by a Dirac lobe.

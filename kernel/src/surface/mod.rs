@@ -91,6 +91,17 @@ pub struct Scatter<S> {
 }
 
 impl<S: Spectrum> Scatter<S> {
+    /// Drawn with probability `pdf`, as if nothing else could have been.
+    #[inline(always)]
+    fn alone(self) -> Self {
+        Self {
+            weight: self.weight * self.pdf,
+            pdf: 1.0,
+            pdf_reverse: 1.0,
+            ..self
+        }
+    }
+
     /// By a Dirac lobe of probability `p` in both directions.
     #[inline(always)]
     fn dirac(wi: Vec3, weight: S, p: Real) -> Self {
@@ -122,6 +133,13 @@ pub trait Local<S: Spectrum> {
 
     /// Draws a direction: `lobe` chooses the lobe, `xi` the direction in it. `None` absorbs.
     fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>>;
+
+    /// The Dirac lobe number `index`, as if there were no other: its whole weight, f·|cos| of the Dirac, with probability 1. `None` behind the
+    /// last. A model whose `sample` draws Dirac lobes has to list them all here.
+    #[inline(always)]
+    fn dirac_lobe(&self, _w: Vec3, _mode: Mode, _index: u32) -> Option<Scatter<S>> {
+        None
+    }
 
     /// Whether there is a lobe that isn't Dirac: connections are possible.
     #[inline(always)]
@@ -413,6 +431,11 @@ impl<S: Spectrum> Local<S> for Surface<S> {
     #[inline(always)]
     fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>> {
         each!(self, m => m.sample(w, mode, lobe, xi))
+    }
+
+    #[inline(always)]
+    fn dirac_lobe(&self, w: Vec3, mode: Mode, index: u32) -> Option<Scatter<S>> {
+        each!(self, m => m.dirac_lobe(w, mode, index))
     }
 
     #[inline(always)]

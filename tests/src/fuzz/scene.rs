@@ -197,16 +197,16 @@ fn sensor(s: &mut Source<'_>) -> Result<Sensor> {
     let side = |s: &mut Source<'_>| Ok(1 + s.below(if s.tame { 64 } else { 70_000 })? as u32);
     let resolution = [side(s)?, side(s)?];
     let default = Sensor::default();
-    let projection = if s.coin()? {
-        Projection::Perspective {
+    let projection = match s.below(3)? {
+        0 => Projection::Orthographic {
+            half_extent: s.numbers(1e-3, 1e12)?,
+        },
+        1 => Projection::Perspective {
             half_tangent: s.numbers(1e-3, 1e3)?,
             aperture: if s.coin()? { 0.0 } else { s.number(0.0, 1e12)? },
             focus: s.number(1e-3, 1e12)?,
-        }
-    } else {
-        Projection::Orthographic {
-            half_extent: s.numbers(1e-3, 1e12)?,
-        }
+        },
+        _ => Projection::Panorama,
     };
     let filter = match s.below(3)? {
         0 => Filter::Box {

@@ -69,6 +69,8 @@ fn sensors_of_all_kinds() {
             half_extent: [10.0, 5.0]
         }
     );
+    let s = sensor("type='panorama'><float name='near_clip' value='.5'/>").expect("panorama");
+    assert_eq!((s.projection, s.clip), (Projection::Panorama, [0.5, 1e4]));
     let s = sensor(
         "type='thinlens'><float name='aperture_radius' value='.1'/><float name='focus_distance' value='3'/>
          <float name='fov' value='90'/>",
@@ -85,9 +87,14 @@ fn sensors_of_all_kinds() {
     for (inner, part) in [
         (
             "type='fisheye'>",
-            "unknown plugin \"fisheye\", expected perspective, thinlens or orthographic",
+            "unknown plugin \"fisheye\", expected perspective, thinlens, orthographic or panorama",
         ),
         ("type='thinlens'>", "aperture_radius is missing"),
+        (
+            "type='panorama'><transform name='to_world'><scale value='2'/></transform>",
+            "free of scale",
+        ),
+        ("type='panorama'><float name='fov' value='90'/>", "fov"),
         (
             "type='perspective'><float name='fov' value='180'/>",
             "between 0 and 180 degrees, found 180",
