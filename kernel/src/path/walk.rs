@@ -2,7 +2,8 @@
 //! radiance), from a light importance's.
 
 use super::instance::Instance;
-use super::trace::{Leg, MAX_STEPS, Meeting, Passage, Trace, roulette};
+use super::passage::{Leg, Passage};
+use super::trace::{MAX_STEPS, Meeting, Trace, roulette};
 use super::vertex::{Step, Vertex};
 use super::weight::{Mis, Terms};
 use crate::emitter::{self, Emission};
