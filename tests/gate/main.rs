@@ -13,7 +13,7 @@ use etendue_host::blob::AlignedBlob;
 use std::collections::BTreeSet;
 
 /// Rules that no blob here can break alone, and why.
-const ELSEWHERE: [(Rule, &str); 4] = [
+const ELSEWHERE: [(Rule, &str); 5] = [
     (Rule::WorldPrimitives, "takes a blob of 150 GB"),
     (Rule::TextureLeftOut, "takes a kernel without textures"),
     (

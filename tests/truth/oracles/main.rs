@@ -7,6 +7,7 @@
 mod enclosures;
 mod extremes;
 mod light;
+mod media;
 mod mirrors;
 
 use etendue::{Estimator, Scene, Scratch, Settings};
