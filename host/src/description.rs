@@ -1,6 +1,10 @@
 //! A scene as loaded: what every loader makes and the compiler reads. World space, meshes indexed,
 //! names kept for messages.
 
+mod media;
+
+pub use media::{Grid, GridValues, Grids, Lobe, Medium, Phase, Tracking};
+
 use std::path::PathBuf;
 
 /// Linear sRGB.
@@ -28,6 +32,10 @@ pub struct Description {
     pub textures: Vec<Texture>,
     /// Lights that aren't shapes.
     pub emitters: Vec<Emitter>,
+    /// What fills scattering volumes; shapes, the sensor and lights refer to it by index.
+    pub media: Vec<Medium>,
+    /// Medium of the space outside all objects; `None`: what the objects say that it is met from, vacuum if they say nothing.
+    pub exterior: Option<usize>,
     /// Advice of the file to the renderer.
     pub advice: Advice,
 }
@@ -65,6 +73,8 @@ pub struct Sensor {
     pub crop: Option<[u32; 4]>,
     /// Pixel filter.
     pub filter: Filter,
+    /// Medium it stands in; `None`: found from the objects around it.
+    pub medium: Option<usize>,
 }
 
 /// How rays leave the camera.
@@ -125,6 +135,7 @@ impl Default for Sensor {
             resolution: [768, 576],
             crop: None,
             filter: Filter::Box { radius: 0.5 },
+            medium: None,
         }
     }
 }
@@ -146,6 +157,11 @@ pub struct Shape {
     pub emission: Option<Color>,
     /// Opacity: the texture's first channel, or a constant.
     pub opacity: Option<ColorSource>,
+    /// Medium behind the normal; `None`: vacuum. Where `interior` and `exterior` are both `None`, the object doesn't part media:
+    /// the same one is on both of its sides, whichever it is.
+    pub interior: Option<usize>,
+    /// Medium in front of the normal.
+    pub exterior: Option<usize>,
 }
 
 /// A surface.
@@ -315,8 +331,12 @@ pub enum Texels {
 pub struct Emitter {
     /// What messages call it.
     pub name: String,
+    /// Where it was said.
+    pub place: Place,
     /// Which.
     pub kind: EmitterKind,
+    /// Point and spot: the medium it stands in; `None`: found from the objects around it.
+    pub medium: Option<usize>,
 }
 
 /// The lights.

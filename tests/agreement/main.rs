@@ -4,6 +4,7 @@
 //! and three channels. There are about 20,000 such comparisons here; with some 120 degrees of freedom
 //! P(|t| > 5.9) = 3e-8, so the suite fails by chance about once in 1500 runs, and errors are a few parts in a thousand.
 
+mod media;
 mod scenes;
 mod weights;
 
@@ -70,6 +71,8 @@ fn assert_agree(what: &str, a: &[Estimate], b: &[Estimate]) {
 
 /// Path against light against bidirectional by each heuristic.
 fn agree(name: &str, d: &Description, complete: Complete, max_edges: Option<u32>) {
+    // Seen where one of the estimates itself fails.
+    println!("{name}");
     let path = estimates(d, Estimator::Path, Heuristic::Power, max_edges, 40);
     let heuristics = [
         Heuristic::Balance,
@@ -106,6 +109,43 @@ fn sensors() {
     scenes::sensors()
         .iter()
         .for_each(|(name, d, complete)| agree(name, d, *complete, None));
+}
+
+/// The same through what fills space.
+fn all_agree(scenes: Vec<(&'static str, Description, Complete)>) {
+    for (name, d, complete) in &scenes {
+        agree(name, d, *complete, None);
+    }
+}
+
+#[test]
+fn fogs() {
+    all_agree(media::fogs());
+}
+
+#[test]
+fn grids() {
+    all_agree(media::grids());
+}
+
+#[test]
+fn boundaries_of_media() {
+    all_agree(media::boundaries());
+}
+
+#[test]
+fn lights_in_media() {
+    all_agree(media::lights());
+}
+
+#[test]
+fn flames() {
+    all_agree(media::flames());
+}
+
+#[test]
+fn sensors_in_media() {
+    all_agree(media::sensors());
 }
 
 #[test]

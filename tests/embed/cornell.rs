@@ -34,6 +34,8 @@ fn shape(
         back: Some(material),
         emission,
         opacity: None,
+        interior: None,
+        exterior: None,
     }
 }
 
@@ -100,6 +102,7 @@ fn description(small: [f32; 6]) -> Description {
             origin: [278., 273., -800.],
             resolution: [128; 2],
             filter: Filter::Box { radius: 0.5 },
+            medium: None,
             ..Sensor::default()
         },
         shapes,

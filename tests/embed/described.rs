@@ -48,6 +48,8 @@ fn shape(geometry: Geometry) -> Shape {
         back: None,
         emission: None,
         opacity: None,
+        interior: None,
+        exterior: None,
     }
 }
 
@@ -268,7 +270,12 @@ fn lights() {
         assert_eq!(status, ETD_OK);
         assert_eq!(id as usize, d.emitters.len());
         let name = String::new();
-        d.emitters.push(Emitter { name, kind });
+        d.emitters.push(Emitter {
+            name,
+            place: Place::default(),
+            kind,
+            medium: None,
+        });
     };
     let (position, direction, color) = ([4.0, 5.0, 6.0], [0.0, -1.0, 0.0], [1.0, 2.0, 3.0]);
     l.kind = ETD_LIGHT_POINT;
@@ -356,6 +363,7 @@ fn cameras() {
             sigma: 0.5,
             radius: 2.0,
         },
+        medium: None,
     };
     let set = |c: &EtdCamera| {
         // SAFETY: good pointers.

@@ -1,6 +1,6 @@
 //! One change each.
 
-use crate::draft::{BALL, Draft, FLOATS, FOG, GLASS, IMAGES, LAMP, SMOOTH, WORDS};
+use crate::draft::{BALL, Draft, FLOATS, FOG, GLASS, GLOW, IMAGES, LAMP, SMOOTH, WORDS};
 use crate::media::{grids, media};
 use etendue::blob::Rule;
 use etendue::blob::format::{
@@ -367,7 +367,6 @@ const POINT: usize = 2;
 const SPOT: usize = 3;
 const SUN: usize = 4;
 const SKY: usize = 5;
-const GLOW: usize = 6;
 
 fn emitters() -> Vec<Break> {
     let e = |rule, index, change: fn(&mut Emitter)| record(rule, section::EMITTERS, index, change);

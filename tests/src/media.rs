@@ -25,6 +25,7 @@ pub fn homogeneous(sigma_t: [f32; 3], albedo: [f32; 3]) -> Medium {
         albedos: NONE,
         emissions: NONE,
         cells: [0; 3],
+        emitter: NONE,
         sigma_t,
         albedo,
         mean: sigma_t,

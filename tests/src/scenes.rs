@@ -1,8 +1,8 @@
 //! Scenes in code: descriptions that tests build, piece by piece.
 
 use etendue_host::description::{
-    Color, ColorSource, Description, Emitter, EmitterKind, Geometry, Material, Mesh, Model, Place,
-    Projection, Sensor, Shape,
+    Color, ColorSource, Description, Emitter, EmitterKind, Geometry, Grid, GridValues, Grids,
+    Material, Medium, Mesh, Model, Phase, Place, Projection, Sensor, Shape,
 };
 
 /// A point or direction.
@@ -82,6 +82,48 @@ impl Builder {
         })
     }
 
+    /// Adds a local model that lets light pass: the boundary of a medium.
+    pub fn null(&mut self) -> usize {
+        self.material(Model::Null)
+    }
+
+    /// Adds a medium that is the same everywhere, with one phase function and without emission.
+    pub fn medium(&mut self, sigma_t: Color, albedo: Color, phase: Phase) -> usize {
+        self.matter(Medium {
+            sigma_t,
+            albedo,
+            phase: vec![phase.into()],
+            ..Medium::default()
+        })
+    }
+
+    /// Adds a medium whose extinction is `sigma_t` times a grid over the box from `low` to `high`.
+    pub fn smoke(&mut self, low: V, high: V, extinction: Grid, medium: Medium) -> usize {
+        let to_grid = std::array::from_fn(|i| {
+            let mut row = [0.0; 4];
+            row[i] = 1.0 / (high[i] - low[i]);
+            row[3] = -low[i] * row[i];
+            row
+        });
+        self.matter(Medium {
+            grids: Some(Grids {
+                extinction,
+                albedo: None,
+                emission: None,
+                to_grid,
+                tracking: Default::default(),
+            }),
+            ..medium
+        })
+    }
+
+    /// Adds a medium.
+    pub fn matter(&mut self, mut medium: Medium) -> usize {
+        medium.name = format!("medium {}", self.description.media.len());
+        self.description.media.push(medium);
+        self.description.media.len() - 1
+    }
+
     /// Adds an object; both sides have `material`.
     pub fn shape(&mut self, geometry: Geometry, material: Option<usize>) -> &mut Shape {
         let name = format!("shape {}", self.description.shapes.len());
@@ -93,6 +135,8 @@ impl Builder {
             back: material,
             emission: None,
             opacity: None,
+            interior: None,
+            exterior: None,
         });
         self.description.shapes.last_mut().unwrap()
     }
@@ -155,11 +199,28 @@ impl Builder {
         )
     }
 
+    /// Adds a box of `medium` that light enters freely.
+    pub fn fog(&mut self, low: V, high: V, medium: usize) -> &mut Shape {
+        let null = self.null();
+        let shape = self.cuboid(low, high, false, Some(null));
+        shape.interior = Some(medium);
+        shape
+    }
+
+    /// Adds a sphere of `medium` behind `material`.
+    pub fn ball(&mut self, center: V, radius: f32, material: usize, medium: usize) -> &mut Shape {
+        let shape = self.sphere(center, radius, Some(material));
+        shape.interior = Some(medium);
+        shape
+    }
+
     /// Adds a light that isn't a shape.
     pub fn light(&mut self, kind: EmitterKind) {
         self.description.emitters.push(Emitter {
             name: "light".into(),
+            place: Place::default(),
             kind,
+            medium: None,
         });
     }
 
@@ -188,6 +249,23 @@ impl Builder {
             Projection::Orthographic { half_extent } => *half_extent = half_extent.map(|h| h * k),
         }
         self
+    }
+}
+
+/// A trilinear grid of one channel: `value` of each texel's place in the unit cube.
+pub fn grid(size: [u32; 3], value: impl Fn(V) -> f32) -> Grid {
+    let place = |i: u32, n: u32| (i as f32 + 0.5) / n as f32;
+    let [w, h, d] = size;
+    let mut values = Vec::new();
+    for z in 0..d {
+        for y in 0..h {
+            values.extend((0..w).map(|x| value([place(x, w), place(y, h), place(z, d)])));
+        }
+    }
+    Grid {
+        size,
+        values: GridValues::Gray(values),
+        nearest: false,
     }
 }
 

@@ -199,5 +199,6 @@ fn sensor(c: &EtdCamera) -> Result<Sensor, Trouble> {
         resolution: [c.width, c.height],
         crop: (c.crop != [0; 4]).then_some(c.crop),
         filter,
+        medium: None,
     })
 }

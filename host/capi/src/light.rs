@@ -4,7 +4,7 @@ use crate::arguments::{Sized32, input, place, slice};
 use crate::boundary::{Trouble, copied, fill};
 use crate::builder::{EtdBuilder, edit};
 use etendue::capi::status::{ETD_E_ARGUMENT, ETD_E_SIZE, EtdStatus};
-use etendue_host::description::{Color, Emitter, EmitterKind};
+use etendue_host::description::{Color, Emitter, EmitterKind, Place};
 use glam::DVec3;
 
 /// A point: `color` is its radiant intensity, W/sr.
@@ -90,7 +90,12 @@ pub unsafe extern "C" fn etd_builder_add_light(
         let kind = kind(&light)?;
         let new = scene.emitters.len();
         let name = format!("light {new}");
-        scene.emitters.push(Emitter { name, kind });
+        scene.emitters.push(Emitter {
+            name,
+            place: Place::default(),
+            kind,
+            medium: None,
+        });
         *id = new as u32;
         Ok(())
     })

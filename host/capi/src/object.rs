@@ -198,6 +198,8 @@ fn add(
         back: optional_id("material", back, scene.materials.len())?,
         emission: (emission != [0.0; 3]).then_some(emission),
         opacity: optional_id("texture", opacity, scene.textures.len())?.map(ColorSource::Texture),
+        interior: None,
+        exterior: None,
     };
     scene.objects.push(Object {
         shape,

@@ -53,13 +53,13 @@ pub enum BuildError {
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
-struct Bounds {
-    low: [f32; 3],
-    high: [f32; 3],
+pub(super) struct Bounds {
+    pub low: [f32; 3],
+    pub high: [f32; 3],
 }
 
 impl Bounds {
-    const EMPTY: Self = Self {
+    pub const EMPTY: Self = Self {
         low: [f32::INFINITY; 3],
         high: [f32::NEG_INFINITY; 3],
     };
@@ -73,14 +73,14 @@ impl Bounds {
     }
 
     /// Rounded outwards.
-    fn of_sphere(center: [f32; 3], radius: f32) -> Self {
+    pub fn of_sphere(center: [f32; 3], radius: f32) -> Self {
         Self {
             low: center.map(|c| (c - radius).next_down()),
             high: center.map(|c| (c + radius).next_up()),
         }
     }
 
-    fn union(&self, other: &Self) -> Self {
+    pub fn union(&self, other: &Self) -> Self {
         let mut bounds = *self;
         for axis in 0..3 {
             bounds.low[axis] = bounds.low[axis].min(other.low[axis]);

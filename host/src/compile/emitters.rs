@@ -2,6 +2,7 @@
 //! environments. Power decides how often a light is chosen; its density goes into every weight.
 
 use super::alias;
+use super::media::Glowing;
 use crate::description::{Color, EmitterKind};
 use bytemuck::Zeroable;
 use etendue::blob::format::{Cell, Choice, Emitter, NONE, emitter};
@@ -24,6 +25,8 @@ pub(super) struct Emitters {
     pub scale: f64,
     /// Mean radiance over directions per emitter at infinity.
     power: Vec<f64>,
+    /// Volumes from which emitters are drawn; 1 where they aren't.
+    volume: Vec<f64>,
 }
 
 fn mean(c: Color) -> f64 {
@@ -34,23 +37,45 @@ impl Emitters {
     /// Adds the light of a shape and returns its id.
     pub fn area(&mut self, shape: u32, radiance: Color) -> u32 {
         self.scale = self.scale.max(mean(radiance));
-        self.power.push(PI * mean(radiance));
-        self.emitters.push(Emitter {
+        let e = Emitter {
             kind: emitter::AREA,
             shape,
             radiance,
             ..blank()
-        });
+        };
+        self.push(e, PI * mean(radiance), 1.0)
+    }
+
+    /// Adds a medium that emits.
+    pub fn volume(&mut self, glowing: &Glowing) -> u32 {
+        self.scale = self.scale.max(glowing.radiance);
+        let e = Emitter {
+            kind: emitter::VOLUME,
+            shape: NONE,
+            medium: glowing.medium,
+            position: glowing.corner,
+            to_local: glowing.edges,
+            ..blank()
+        };
+        let power = 4.0 * PI * glowing.mean * glowing.volume;
+        self.push(e, power, glowing.volume)
+    }
+
+    fn push(&mut self, e: Emitter, power: f64, volume: f64) -> u32 {
+        self.emitters.push(e);
+        self.power.push(power);
+        self.volume.push(volume);
         self.emitters.len() as u32 - 1
     }
 
-    /// Adds a light that isn't a shape. `radius` is that of the scene's bounding sphere.
+    /// Adds a light that isn't a shape and stands in `medium`. `radius` is that of the scene's bounding sphere.
     ///
     /// # Errors
     /// In words, if there is a background already.
     pub fn add(
         &mut self,
         kind: &EmitterKind,
+        medium: Option<usize>,
         radius: f64,
         texels: &mut Vec<u32>,
     ) -> Result<(), String> {
@@ -58,6 +83,7 @@ impl Emitters {
         let id = self.emitters.len() as u32;
         let mut e = Emitter {
             shape: NONE,
+            medium: medium.map_or(NONE, |m| m as u32),
             ..blank()
         };
         let mut background = false;
@@ -139,8 +165,7 @@ impl Emitters {
             self.background = Some(id);
         }
         self.scale = self.scale.max(scale);
-        self.power.push(power);
-        self.emitters.push(e);
+        self.push(e, power, 1.0);
         Ok(())
     }
 
@@ -199,8 +224,9 @@ impl Emitters {
         }
         let weights: Vec<f64> = entries.iter().map(|e| e.2).collect();
         let total: f64 = weights.iter().sum();
-        for (e, power) in self.emitters.iter_mut().zip(&self.power) {
-            e.density = (power / total) as f32;
+        let spread = self.power.iter().zip(&self.volume);
+        for (e, (power, volume)) in self.emitters.iter_mut().zip(spread) {
+            e.density = (power / total / volume) as f32;
         }
         let table = alias::table(&weights).into_iter().zip(&entries);
         self.choices = table

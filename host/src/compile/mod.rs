@@ -3,6 +3,7 @@
 mod alias;
 pub mod bvh;
 mod emitters;
+mod media;
 mod surfaces;
 mod writer;
 
@@ -12,8 +13,10 @@ use emitters::{Emitters, Emitting};
 use etendue::Scene;
 use etendue::blob::BlobError;
 use etendue::blob::format::{
-    self,     Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, material, needs, section,
+    Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, emitter, material, needs,
+    section,
 };
+use media::Media;
 use std::path::Path;
 use surfaces::Surfaces;
 
@@ -22,6 +25,9 @@ const MAX_COORDINATE: f32 = 1e12;
 
 /// The least area of a light: the density of a point on it, 1 over it at most, still fits single precision.
 const LEAST_AREA: f64 = 1e-37;
+
+/// A light is small if it is of less than this part of the scene's size.
+const SMALL: f64 = 0.05;
 
 /// A compiled scene.
 #[derive(Clone, Debug)]
@@ -89,6 +95,12 @@ pub fn recompile(d: &Description, tree: &bvh::Tree) -> Result<Compiled, CompileE
 
 fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, CompileError> {
     let mut surfaces = Surfaces::compile(d);
+    let mut media =
+        Media::compile(d, &mut surfaces.texels).map_err(|(id, reason)| CompileError {
+            place: d.media[id].place.clone(),
+            name: d.media[id].name.clone(),
+            reason,
+        })?;
     let mut emitters = Emitters::default();
     let mut geometry = Flat::default();
     let mut shapes = Vec::new();
@@ -101,10 +113,10 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
         let id = id as u32;
         let emission = s.emission.filter(|l| l.iter().any(|&x| x > 0.0));
         let mut shape = Shape {
-            front: s.front.map_or(NONE, |m| m as u32),
-            back: s.back.map_or(NONE, |m| m as u32),
-            interior: NONE,
-            exterior: NONE,
+            front: optional(s.front),
+            back: optional(s.back),
+            interior: optional(s.interior),
+            exterior: optional(s.exterior),
             emitter: emission.map_or(NONE, |l| emitters.area(id, l)),
             opacity: s.opacity.map_or(NONE, |o| surfaces.as_texture(o)),
             normals: NONE,
@@ -146,14 +158,18 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
     };
     name_parents(&mut built.nodes);
     let (center, radius) = geometry.bounds();
+    for glowing in &media.glowing {
+        let emitter = emitters.volume(glowing);
+        media.media[glowing.medium as usize].emitter = emitter;
+    }
     for e in &d.emitters {
         let fail = |reason: String| CompileError {
-            place: Place::default(),
+            place: e.place.clone(),
             name: e.name.clone(),
             reason,
         };
         emitters
-            .add(&e.kind, f64::from(radius), &mut surfaces.texels)
+            .add(&e.kind, e.medium, f64::from(radius), &mut surfaces.texels)
             .map_err(fail)?;
     }
     // Primitives get the ids that the tree gave them.
@@ -210,7 +226,7 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
         depth: built.depth,
         sphere_base,
         background: emitters.background.unwrap_or(NONE),
-        exterior: NONE,
+        exterior: optional(d.exterior),
         reserved: [0; 8],
     };
     let used = |m: &u32| *m != NONE;
@@ -219,8 +235,16 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
         .flat_map(|s| [s.front, s.back])
         .filter(used)
         .any(|m| surfaces.materials[m as usize].kind == material::NULL);
-    let mut bits = surfaces.needs & !needs::NULL | if null { needs::NULL } else { 0 };
+    let mut bits = surfaces.needs & !needs::NULL | if null { needs::NULL } else { 0 } | media.needs;
+    let small = |s: &crate::description::Shape| {
+        s.emission.is_some() && size(&s.geometry) < SMALL * f64::from(radius)
+    };
+    let small = d.shapes.iter().any(small) || !d.emitters.iter().all(|e| is_distant(&e.kind));
     for (holds, bit) in [
+        (
+            small && media.needs & needs::MEDIA != 0,
+            needs::SMALL_LIGHTS,
+        ),
         (!spheres.is_empty(), needs::SPHERES),
         (!geometry.normals.is_empty(), needs::SMOOTH_NORMALS),
         (
@@ -246,8 +270,8 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
     writer.section(section::EMITTERS, &emitters.emitters);
     writer.section(section::CHOICES, &emitters.choices);
     writer.section(section::CELLS, &emitters.cells);
-    writer.section::<format::Medium>(section::MEDIA, &[]);
-    writer.section::<format::Grid>(section::GRIDS, &[]);
+    writer.section(section::MEDIA, &media.media);
+    writer.section(section::GRIDS, &media.grids);
     let blob = writer.finish(bits, film_exponent(emitters.scale));
     if let Err(e) = Scene::open(blob.bytes()) {
         return Err(refused(d, &e, &emitters.emitters));
@@ -270,13 +294,19 @@ fn refused(d: &Description, e: &BlobError, emitters: &[Emitter]) -> CompileError
     let nowhere = |name: &str| (Place::default(), name.to_string());
     let of_shape = |s: usize| d.shapes.get(s).map(|s| (s.place.clone(), s.name.clone()));
     let index = e.index as usize;
-    // The lights of shapes stand before the others.
-    let of_light = || match emitters.get(index)?.shape {
-        NONE => {
-            let light = (index + d.emitters.len()).checked_sub(emitters.len())?;
-            d.emitters.get(light).map(|l| nowhere(&l.name))
+    let of_medium = |m: usize| d.media.get(m).map(|m| (m.place.clone(), m.name.clone()));
+    // The lights of shapes and media stand before the others.
+    let of_light = || {
+        let e = emitters.get(index)?;
+        if e.kind == emitter::AREA {
+            return of_shape(e.shape as usize);
         }
-        shape => of_shape(shape as usize),
+        if e.kind == emitter::VOLUME {
+            return of_medium(e.medium as usize);
+        }
+        let light = (index + d.emitters.len()).checked_sub(emitters.len())?;
+        let light = d.emitters.get(light)?;
+        Some((light.place.clone(), light.name.clone()))
     };
     let found = match e.section {
         section::SENSOR => Some(nowhere("sensor")),
@@ -284,6 +314,7 @@ fn refused(d: &Description, e: &BlobError, emitters: &[Emitter]) -> CompileError
         section::MATERIALS => d.materials.get(index).map(|m| nowhere(&m.name)),
         section::TEXTURES => d.textures.get(index).map(|t| nowhere(&t.name)),
         section::EMITTERS => of_light(),
+        section::MEDIA => of_medium(index),
         _ => None,
     };
     let (place, name) = found.unwrap_or_else(|| nowhere("scene"));
@@ -318,9 +349,26 @@ fn film_exponent(scale: f64) -> i32 {
     }
 }
 
+fn optional(id: Option<usize>) -> u32 {
+    id.map_or(NONE, |id| id as u32)
+}
+
 fn is_distant(kind: &crate::description::EmitterKind) -> bool {
     use crate::description::EmitterKind::{Point, Spot};
     !matches!(kind, Point { .. } | Spot { .. })
+}
+
+/// Half the diagonal of an object's bounding box.
+fn size(g: &Geometry) -> f64 {
+    match g {
+        Geometry::Sphere { radius, .. } => f64::from(*radius),
+        Geometry::Mesh(mesh) => {
+            let corners = mesh.positions.iter().map(|p| glam::Vec3::from(*p));
+            let low = corners.clone().fold(glam::Vec3::INFINITY, glam::Vec3::min);
+            let high = corners.fold(glam::Vec3::NEG_INFINITY, glam::Vec3::max);
+            0.5 * f64::from((high - low).length())
+        }
+    }
 }
 
 fn triangle_area(t: &[[f32; 3]; 3]) -> f64 {

@@ -210,7 +210,7 @@ pub(super) fn sensor(s: &crate::description::Sensor) -> format::Sensor {
         right: s.right,
         down: s.down,
         forward: s.forward,
-        medium: NONE,
+        medium: super::optional(s.medium),
         principal: s.principal,
         reserved: [0; 1],
     }

@@ -77,8 +77,10 @@ pub mod needs {
     pub const GLOWING: u32 = 1 << 10;
     /// At least one glossy lobe: neither diffuse nor Dirac.
     pub const GLOSSY: u32 = 1 << 11;
+    /// At least one light that is small for the scene, among media: distances to it are worth sampling (equiangular).
+    pub const SMALL_LIGHTS: u32 = 1 << 12;
     /// All that this version knows.
-    pub const KNOWN: u32 = (1 << 12) - 1;
+    pub const KNOWN: u32 = (1 << 13) - 1;
 }
 
 /// Section kinds.

@@ -89,25 +89,42 @@ pub(super) fn incident<S: Spectrum>(
             dirac: false,
             trace_over_connect: density / (pdf * jacobian),
             emission: INV_PI * jacobian,
+            medium: NONE,
         });
     }
-    let (position, normal, offset) = position(scene, primitive, xi)?;
-    let to_light = position - y;
+    shine(scene, e, primitive, &place(scene, primitive, xi)?, y)
+}
+
+/// Light that arrives at `y` from a point of `primitive` that was drawn without knowing y.
+#[inline(always)]
+pub(super) fn shine<S: Spectrum>(
+    scene: &Scene<'_>,
+    e: &Emitter,
+    primitive: u32,
+    place: &Place,
+    y: Vec3,
+) -> Option<Incident<S>> {
+    let to_light = place.position - y;
     let squared = to_light.length_squared();
     if squared <= 0.0 {
         return None;
     }
     let distance = sqrt(squared);
     let direction = to_light * (1.0 / distance);
-    let cos_light = -direction.dot(normal);
+    let cos_light = -direction.dot(place.normal);
+    let over_trace = match scene.sphere(primitive) {
+        Some(sphere) => connect_over_trace(sphere, place.position, place.normal, y),
+        None => 1.0,
+    };
     (cos_light > 0.0).then(|| Incident {
         direction,
-        end: Some(position + normal * offset),
+        end: Some(place.position + place.normal * place.offset),
         radiance: S::from_rgb(e.radiance),
-        pdf: density * squared / cos_light,
+        pdf: Real::from(e.density) * over_trace * squared / cos_light,
         dirac: false,
-        trace_over_connect: 1.0,
+        trace_over_connect: 1.0 / over_trace,
         emission: INV_PI * cos_light / squared,
+        medium: NONE,
     })
 }
 
@@ -150,23 +167,40 @@ pub(super) fn emission<S: Spectrum>(
         dirac: false,
         emitter: NONE,
         primitive: NONE,
+        medium: NONE,
+        volume: false,
     })
 }
 
-/// A uniform point of `primitive`, the normal there, and how far off it rays are off the surface.
+/// A point of a primitive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub position: Vec3,
+    /// The normal there.
+    pub normal: Vec3,
+    /// How far off it rays are off the surface.
+    pub offset: Real,
+}
+
+/// A uniform point of `primitive`.
 #[inline(always)]
-fn position(scene: &Scene<'_>, primitive: u32, xi: [Real; 2]) -> Option<(Vec3, Vec3, Real)> {
+pub(super) fn place(scene: &Scene<'_>, primitive: u32, xi: [Real; 2]) -> Option<Place> {
     if let Some(s) = scene.sphere(primitive) {
         let outwards = warp::sphere(xi);
-        let normal = if s.flipped != 0 { -outwards } else { outwards };
-        let position = vec3(s.center) + outwards * Real::from(s.radius);
-        return Some((position, normal, sphere_offset(s)));
+        return Some(Place {
+            position: vec3(s.center) + outwards * Real::from(s.radius),
+            normal: if s.flipped != 0 { -outwards } else { outwards },
+            offset: sphere_offset(s),
+        });
     }
     let [p0, p1, p2] = scene.corners(primitive)?;
     let [u, v] = warp::triangle(xi);
     let position = p0 * (1.0 - u - v) + p1 * u + p2 * v;
-    let offset = triangle_offset(position, [p0, p1, p2]);
-    Some((position, triangle_normal(p0, p1, p2), offset))
+    Some(Place {
+        position,
+        normal: triangle_normal(p0, p1, p2),
+        offset: triangle_offset(position, [p0, p1, p2]),
+    })
 }
 
 #[inline(always)]

@@ -87,6 +87,7 @@ pub(super) fn incident<S: Spectrum>(
         dirac: false,
         trace_over_connect: 1.0,
         emission: disc_density(scene),
+        medium: NONE,
     })
 }
 
@@ -122,6 +123,7 @@ pub(super) fn directional_incident<S: Spectrum>(scene: &Scene<'_>, e: &Emitter) 
         dirac: true,
         trace_over_connect: 1.0,
         emission: disc_density(scene),
+        medium: NONE,
     }
 }
 
@@ -167,5 +169,7 @@ fn enter<S: Spectrum>(
         dirac,
         emitter: NONE,
         primitive: NONE,
+        medium: NONE,
+        volume: false,
     }
 }

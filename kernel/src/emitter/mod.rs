@@ -15,6 +15,8 @@ mod distant;
 #[cfg(feature = "environment")]
 mod environment;
 mod point;
+#[cfg(feature = "media")]
+pub mod volume;
 
 pub use area::{connect_density, radiance, trace_density};
 #[cfg(feature = "environment")]
@@ -23,8 +25,8 @@ pub use choice::pick_choice;
 pub use distant::background;
 
 use crate::blob::Scene;
-use crate::blob::format::emitter as kind;
-use crate::real::{INV_PI, Real, Vec3, square};
+use crate::blob::format::{Emitter, emitter as kind};
+use crate::real::{INV_PI, Real, Vec3, square, vec3};
 use crate::spectrum::Spectrum;
 
 /// Light that arrives at a point y from a point x₀ drawn for it.
@@ -45,6 +47,8 @@ pub struct Incident<S> {
     pub trace_over_connect: Real,
     /// A light walk from x₀ has density `emission`·|cos θ_y| per area at y.
     pub emission: Real,
+    /// The medium that emits at x₀, and in which x₀ has to lie; [`NONE`](crate::blob::format::NONE) where no medium emits.
+    pub medium: u32,
 }
 
 /// Light that leaves: x₀ and the first edge of a light walk.
@@ -75,6 +79,10 @@ pub struct Emission<S> {
     pub emitter: u32,
     /// area: the primitive.
     pub primitive: u32,
+    /// The medium that the ray starts in, as far as the emitter knows.
+    pub medium: u32,
+    /// Whether it is that medium which emits. Then x₀ has to lie in it.
+    pub volume: bool,
 }
 
 /// Draws light that arrives at `y`.
@@ -92,7 +100,53 @@ pub fn incident<S: Spectrum>(
         kind::AREA => area::incident(scene, emitter, entry.primitive, y, xi),
         kind::POINT | kind::SPOT => point::incident(emitter, y),
         kind::DIRECTIONAL => Some(distant::directional_incident(scene, emitter)),
+        #[cfg(feature = "media")]
+        kind::VOLUME => volume::incident(scene, emitter, y, [xi[0], xi[1], more[0]]),
         _ => distant::incident(scene, emitter, xi, more),
+    }
+}
+
+/// A point x₀ of a light that was drawn without knowing for whom: with density p_trace.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    emitter: &'a Emitter,
+    primitive: u32,
+    /// `None`: the light is a point.
+    place: Option<area::Place>,
+}
+
+/// Draws a point of a light; `None` if that lies at infinity, or in a medium.
+#[inline]
+pub fn source<'a>(scene: &Scene<'a>, choice: [Real; 2], xi: [Real; 2]) -> Option<Source<'a>> {
+    let entry = pick_choice(scene.choices(), choice)?;
+    let emitter = scene.emitter(entry.emitter)?;
+    let place = match emitter.kind {
+        kind::AREA => Some(area::place(scene, entry.primitive, xi)?),
+        kind::POINT | kind::SPOT => None,
+        _ => return None,
+    };
+    Some(Source {
+        emitter,
+        primitive: entry.primitive,
+        place,
+    })
+}
+
+impl Source<'_> {
+    /// Where it is.
+    #[inline(always)]
+    pub fn position(&self) -> Vec3 {
+        self.place
+            .map_or(vec3(self.emitter.position), |p| p.position)
+    }
+
+    /// Light that arrives at `y` from it.
+    #[inline(always)]
+    pub fn shine<S: Spectrum>(&self, scene: &Scene<'_>, y: Vec3) -> Option<Incident<S>> {
+        match &self.place {
+            Some(place) => area::shine(scene, self.emitter, self.primitive, place, y),
+            None => point::incident(self.emitter, y),
+        }
     }
 }
 
@@ -111,6 +165,11 @@ pub fn emission<S: Spectrum>(
         kind::AREA => area::emission(scene, emitter, entry.primitive, position, direction),
         kind::POINT | kind::SPOT => point::emission(emitter, direction),
         kind::DIRECTIONAL => Some(distant::directional_emission(scene, emitter, position)),
+        #[cfg(feature = "media")]
+        kind::VOLUME => {
+            let xi = [position[0], position[1], more[0]];
+            volume::emission(scene, emitter, xi, direction)
+        }
         _ => distant::emission(scene, emitter, position, direction, more),
     }
     .map(|e| Emission {

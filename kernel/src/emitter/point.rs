@@ -59,6 +59,7 @@ pub(super) fn incident<S: Spectrum>(e: &Emitter, y: Vec3) -> Option<Incident<S>>
         dirac: true,
         trace_over_connect: 1.0,
         emission: direction_pdf(e, -direction) / square,
+        medium: NONE,
     })
 }
 
@@ -92,5 +93,7 @@ pub(super) fn emission<S: Spectrum>(e: &Emitter, xi: [Real; 2]) -> Option<Emissi
         dirac: true,
         emitter: NONE,
         primitive: NONE,
+        medium: e.medium,
+        volume: false,
     })
 }

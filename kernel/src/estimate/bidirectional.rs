@@ -10,32 +10,34 @@
 
 use super::light::{Seen, emit, see_light, see_vertex, spread};
 use super::{ScratchView, Settings};
+use crate::blob::format::NONE;
 use crate::emitter;
+use crate::medium;
 use crate::path::{
-    Arrival, HistoryView, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first,
-    emission_terms,
+    Arrival, HistoryView, Instance, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first,
+    emission_terms, joined,
 };
 use crate::random::{Purpose, Sampler};
 use crate::real::{INV_PI, Real, sqrt, square};
 use crate::sensor::Element;
 use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
-use crate::surface::{Local, Mode};
+use crate::surface::Mode;
 
 /// One sample.
 #[inline(always)]
-pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
-    trace: &mut Trace<'_, '_, T>,
+pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, S>,
-    splat: &mut impl FnMut([u32; 2], S),
-) -> S {
+    scratch: &mut ScratchView<'_, K::S>,
+    splat: &mut impl FnMut([u32; 2], K::S),
+) -> K::S {
     scratch.light.clear();
     scratch.links.clear();
     scratch.sensor.clear();
-    let mut sum = S::BLACK;
+    let mut sum = K::S::BLACK;
     let limit = settings.limit();
     if limit > 0 {
         let mis = super::mis(
@@ -54,23 +56,23 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
 /// Walks from a light, stores the walk, and joins each of its vertices to the sensor (t = 1).
 #[inline(always)]
 #[allow(clippy::too_many_arguments)] // the two sides of one function
-fn light_side<S: Spectrum, T: Tracer, P: Sampler>(
-    trace: &mut Trace<'_, '_, T>,
+fn light_side<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     limit: u32,
     mis: &Mis,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, S>,
-    sum: &mut S,
-    splat: &mut impl FnMut([u32; 2], S),
+    scratch: &mut ScratchView<'_, K::S>,
+    sum: &mut K::S,
+    splat: &mut impl FnMut([u32; 2], K::S),
 ) {
-    let Some(emission) = emit::<S, T, P>(trace, sampler) else {
+    let Some(emission) = emit(trace, sampler) else {
         return;
     };
     let scene = trace.scene;
     let x0 = emission_terms(&emission);
     let _ = scratch.links.push(link(&x0));
-    let mut see = |seen: Option<Seen<S>>, terms: &Terms, links: &[Link], none: &HistoryView| {
+    let mut see = |seen: Option<Seen<K::S>>, terms: &Terms, links: &[Link], none: &HistoryView| {
         let Some(seen) = seen else { return };
         let junction = Junction {
             light_vertices: links.len(),
@@ -93,7 +95,7 @@ fn light_side<S: Spectrum, T: Tracer, P: Sampler>(
         let seen = see_light(trace, element, &emission, sampler);
         see(seen, &x0, scratch.links, scratch.sensor);
     }
-    let mut walk = Walk::from_light(&emission);
+    let mut walk = Walk::from_light(trace, &emission);
     // x_i is joined to the sensor by a path of i + 1 edges.
     while walk.edges < limit {
         if scratch.links.is_full() {
@@ -112,7 +114,7 @@ fn light_side<S: Spectrum, T: Tracer, P: Sampler>(
             let seen = see_vertex(trace, element, &vertex, sampler);
             see(seen, &vertex.terms, scratch.links, scratch.sensor);
         }
-        let Some(step) = walk.leave(&vertex, sampler) else {
+        let Some(step) = walk.leave(trace, &vertex, sampler) else {
             return;
         };
         if let [.., before, last] = scratch.links.as_mut_slice() {
@@ -124,17 +126,18 @@ fn light_side<S: Spectrum, T: Tracer, P: Sampler>(
 
 /// Walks from the sensor and joins each of its vertices to the light (s = 0, 1) and to the light walk (s ≥ 2).
 #[inline(always)]
-fn sensor_side<S: Spectrum, T: Tracer, P: Sampler>(
-    trace: &mut Trace<'_, '_, T>,
+fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     limit: u32,
     mis: &Mis,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, S>,
-    sum: &mut S,
+    scratch: &mut ScratchView<'_, K::S>,
+    sum: &mut K::S,
 ) {
     let start = element.start(trace.scene, sampler);
-    let mut walk = Walk::<S>::from_sensor(&start, mis.light_paths);
+    let medium = super::surroundings(trace, element);
+    let mut walk = Walk::<K::S>::from_sensor(&start, medium, mis.light_paths);
     let mut from = start.ray.origin;
     loop {
         let (vertex, distance) = match walk.arrive(trace, sampler, mis) {
@@ -151,7 +154,7 @@ fn sensor_side<S: Spectrum, T: Tracer, P: Sampler>(
         if walk.edges >= limit {
             return;
         }
-        if vertex.surface.has_smooth() {
+        if vertex.has_smooth::<K>(trace.scene) {
             let t = walk.edges as usize + 1;
             *sum += next_event(trace, mis, &vertex, t, sampler, scratch.sensor);
             for (i, x) in scratch.light.iter().enumerate() {
@@ -159,7 +162,7 @@ fn sensor_side<S: Spectrum, T: Tracer, P: Sampler>(
                 if walk.edges as usize + i + 2 > limit as usize {
                     break;
                 }
-                if x.surface.has_smooth() {
+                if x.has_smooth::<K>(trace.scene) {
                     *sum += connect(
                         trace,
                         mis,
@@ -167,13 +170,14 @@ fn sensor_side<S: Spectrum, T: Tracer, P: Sampler>(
                         &vertex,
                         i + 2,
                         t,
+                        sampler,
                         scratch.links,
                         scratch.sensor,
                     );
                 }
             }
         }
-        let Some(step) = walk.leave(&vertex, sampler) else {
+        let Some(step) = walk.leave(trace, &vertex, sampler) else {
             return;
         };
         if let Some(last) = scratch.sensor.recent(0) {
@@ -198,16 +202,16 @@ fn link(terms: &Terms) -> Link {
 
 /// s = 0 at infinity.
 #[inline(always)]
-fn escaped<S: Spectrum, T: Tracer>(
-    trace: &Trace<'_, '_, T>,
+fn escaped<T: Tracer, K: Instance>(
+    trace: &Trace<'_, '_, T, K>,
     mis: &Mis,
-    walk: &Walk<S>,
+    walk: &Walk<K::S>,
     terms: &Terms,
     sensor: &HistoryView,
-) -> S {
-    let Some((radiance, density)) = emitter::background::<S>(trace.scene, walk.ray.direction)
+) -> K::S {
+    let Some((radiance, density)) = emitter::background::<K::S>(trace.scene, walk.ray.direction)
     else {
-        return S::BLACK;
+        return K::S::BLACK;
     };
     let junction = Junction {
         light_vertices: 0,
@@ -223,25 +227,29 @@ fn escaped<S: Spectrum, T: Tracer>(
 
 /// s = 0 on a surface.
 #[inline(always)]
-fn met_light<S: Spectrum, T: Tracer>(
-    trace: &Trace<'_, '_, T>,
+fn met_light<T: Tracer, K: Instance>(
+    trace: &Trace<'_, '_, T, K>,
     mis: &Mis,
-    walk: &Walk<S>,
-    y: &Vertex<S>,
+    walk: &Walk<K::S>,
+    y: &Vertex<K::S>,
     from: crate::real::Vec3,
     distance: Real,
     sensor: &HistoryView,
-) -> S {
+) -> K::S {
     let scene = trace.scene;
+    #[cfg(feature = "media")]
+    if K::MEDIA && y.scattering.is_some() {
+        return met_glow(trace, mis, walk, y, sensor);
+    }
     let Some(e) = scene
         .shape(y.point.shape)
         .and_then(|s| scene.emitter(s.emitter))
     else {
-        return S::BLACK;
+        return K::S::BLACK;
     };
-    let radiance = emitter::radiance::<S>(e, &y.point, y.previous);
+    let radiance = emitter::radiance::<K::S>(e, &y.point, y.previous);
     if radiance.is_black() {
-        return S::BLACK;
+        return K::S::BLACK;
     }
     let cos = y.previous.dot(y.point.normal).abs();
     let traced = emitter::trace_density(e);
@@ -264,30 +272,69 @@ fn met_light<S: Spectrum, T: Tracer>(
     walk.throughput * radiance * weight
 }
 
+/// s = 0 in a medium that emits.
+#[cfg(feature = "media")]
+#[inline(always)]
+fn met_glow<T: Tracer, K: Instance>(
+    trace: &Trace<'_, '_, T, K>,
+    mis: &Mis,
+    walk: &Walk<K::S>,
+    y: &Vertex<K::S>,
+    sensor: &HistoryView,
+) -> K::S {
+    if walk.emission.is_black() {
+        return K::S::BLACK;
+    }
+    let [medium, _] = y.media;
+    let light = trace.scene.medium(medium).map(|m| m.emitter);
+    let Some(e) = light.and_then(|id| trace.scene.emitter(id)) else {
+        return K::S::BLACK;
+    };
+    let junction = Junction {
+        light_vertices: 0,
+        sensor_vertices: walk.edges as usize + 1,
+        y_ratio: emitter::volume::trace_density(e) / y.terms.forward,
+        y_later: 1.0,
+        y_reverse: emitter::volume::DIRECTION_PDF,
+        ..Junction::default()
+    };
+    let weight = mis.weight(&junction, &Terms::default(), &y.terms, &[], sensor);
+    walk.throughput * walk.emission * weight
+}
+
 /// s = 1: a light point drawn for y.
 #[inline(always)]
-fn next_event<S: Spectrum, T: Tracer, P: Sampler>(
-    trace: &mut Trace<'_, '_, T>,
+fn next_event<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     mis: &Mis,
-    y: &Vertex<S>,
+    y: &Vertex<K::S>,
     t: usize,
     sampler: &mut P,
     sensor: &HistoryView,
-) -> S {
+) -> K::S {
     let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
     let more = sampler.two(Purpose::Emission);
-    let Some(light) = emitter::incident::<S>(trace.scene, y.point.position, choice, xi, more)
+    let Some(light) = emitter::incident::<K::S>(trace.scene, y.point.position, choice, xi, more)
     else {
-        return S::BLACK;
+        return K::S::BLACK;
     };
-    let Some(joint) = y.join(light.direction, Mode::Radiance) else {
-        return S::BLACK;
+    let Some(joint) = y.join::<K>(trace.scene, light.direction, Mode::Radiance) else {
+        return K::S::BLACK;
     };
-    let free = trace.sees(&y.point, light.direction, light.end);
-    if free <= 0.0 {
-        return S::BLACK;
+    let sight = trace.sees(y, light.direction, light.end, sampler);
+    if sight.value.is_black() {
+        return K::S::BLACK;
     }
-    let cos = light.direction.dot(y.point.normal).abs();
+    let facing = y.facing(trace, light.direction);
+    let mut walked = joint.pdf * sight.expected;
+    if K::MEDIA && light.medium != NONE {
+        // The point has to lie in what emits, and a walk would have to collide there.
+        if sight.medium != light.medium {
+            return K::S::BLACK;
+        }
+        let medium = trace.scene.medium(light.medium);
+        walked *= medium.map_or(0.0, |m| medium::density(m, trace.lead));
+    }
     let x0 = Terms {
         forward: 1.0,
         a: if light.dirac { 0.0 } else { 1.0 },
@@ -296,59 +343,68 @@ fn next_event<S: Spectrum, T: Tracer, P: Sampler>(
     let junction = Junction {
         light_vertices: 1,
         sensor_vertices: t,
-        x_ratio: joint.pdf / light.pdf,
+        x_ratio: walked / light.pdf,
         x_reverse: 0.0,
-        y_ratio: light.trace_over_connect * light.emission * cos / y.terms.forward,
+        y_ratio: light.trace_over_connect * light.emission * facing * sight.expected
+            / y.terms.forward,
         y_later: 1.0,
         y_reverse: joint.pdf_reverse,
     };
     let weight = mis.weight(&junction, &x0, &y.terms, &[link(&x0)], sensor);
-    y.throughput * joint.value * light.radiance * (weight * free / light.pdf)
+    y.throughput
+        * joint.value
+        * light.radiance
+        * joined::<K>(trace.lead, y.ratio, K::S::WHITE, sight.value)
+        * (weight / light.pdf)
 }
 
 /// s ≥ 2, t ≥ 2: joins x and y.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)] // both ends, with their histories
-fn connect<S: Spectrum, T: Tracer>(
-    trace: &mut Trace<'_, '_, T>,
+fn connect<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     mis: &Mis,
-    x: &Vertex<S>,
-    y: &Vertex<S>,
+    x: &Vertex<K::S>,
+    y: &Vertex<K::S>,
     s: usize,
     t: usize,
+    sampler: &mut P,
     light: &[Link],
     sensor: &HistoryView,
-) -> S {
+) -> K::S {
     let to_x = x.point.position - y.point.position;
     let squared = to_x.dot(to_x);
     if squared <= 0.0 {
-        return S::BLACK;
+        return K::S::BLACK;
     }
     let direction = to_x * (1.0 / sqrt(squared));
-    let Some(at_y) = y.join(direction, Mode::Radiance) else {
-        return S::BLACK;
+    let Some(at_y) = y.join::<K>(trace.scene, direction, Mode::Radiance) else {
+        return K::S::BLACK;
     };
-    let Some(at_x) = x.join(-direction, Mode::Importance) else {
-        return S::BLACK;
+    let Some(at_x) = x.join::<K>(trace.scene, -direction, Mode::Importance) else {
+        return K::S::BLACK;
     };
-    let free = trace.sees(&y.point, direction, Some(x.point.leave(-direction)));
-    if free <= 0.0 {
-        return S::BLACK;
+    let sight = trace.sees(y, direction, Some(x.point.leave(-direction)), sampler);
+    if sight.value.is_black() {
+        return K::S::BLACK;
     }
     let inverse_square = 1.0 / squared;
-    let (cos_x, cos_y) = (
-        direction.dot(x.point.normal).abs(),
-        direction.dot(y.point.normal).abs(),
-    );
+    let reached = inverse_square * sight.expected;
+    let (facing_x, facing_y) = (x.facing(trace, direction), y.facing(trace, direction));
     let junction = Junction {
         light_vertices: s,
         sensor_vertices: t,
-        x_ratio: at_y.pdf * cos_x * inverse_square / x.terms.forward,
+        x_ratio: at_y.pdf * facing_x * reached / x.terms.forward,
         x_reverse: at_x.pdf_reverse,
-        y_ratio: at_x.pdf * cos_y * inverse_square / y.terms.forward,
+        y_ratio: at_x.pdf * facing_y * reached / y.terms.forward,
         y_later: 1.0,
         y_reverse: at_y.pdf_reverse,
     };
     let weight = mis.weight(&junction, &x.terms, &y.terms, light, sensor);
-    x.throughput * at_x.value * y.throughput * at_y.value * (inverse_square * weight * free)
+    x.throughput
+        * at_x.value
+        * y.throughput
+        * at_y.value
+        * joined::<K>(trace.lead, x.ratio, y.ratio, sight.value)
+        * (inverse_square * weight)
 }

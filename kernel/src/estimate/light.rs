@@ -4,29 +4,29 @@
 use super::Settings;
 use crate::blob::Scene;
 use crate::emitter::{self, Emission};
-use crate::path::{Arrival, Joint, Trace, Vertex, Walk};
+use crate::path::{Arrival, Instance, Joint, Trace, Vertex, Walk, joined, source_facing};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::Real;
 use crate::sensor::{Element, Footprint, Projection};
 use crate::shape::{Ray, Tracer};
 use crate::spectrum::Spectrum;
-use crate::surface::{Local, Mode};
+use crate::surface::Mode;
 
 /// One sample.
 #[inline(always)]
-pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
-    trace: &mut Trace<'_, '_, T>,
+pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-    splat: &mut impl FnMut([u32; 2], S),
-) -> S {
+    splat: &mut impl FnMut([u32; 2], K::S),
+) -> K::S {
     let limit = settings.limit();
-    let mut own = S::BLACK;
+    let mut own = K::S::BLACK;
     if limit == 0 {
         return own;
     }
-    let Some(emission) = emit::<S, T, P>(trace, sampler) else {
+    let Some(emission) = emit(trace, sampler) else {
         return own;
     };
     if let Some(seen) = see_light(trace, element, &emission, sampler) {
@@ -40,7 +40,7 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
         );
     }
     let mis = super::mis(settings, 0.0, 1);
-    let mut walk = Walk::from_light(&emission);
+    let mut walk = Walk::from_light(trace, &emission);
     while walk.edges < limit {
         let Arrival::Vertex(vertex, _) = walk.arrive(trace, sampler, &mis) else {
             break;
@@ -55,7 +55,7 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
                 splat,
             );
         }
-        if walk.leave(&vertex, sampler).is_none() {
+        if walk.leave(trace, &vertex, sampler).is_none() {
             break;
         }
     }
@@ -64,10 +64,10 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
 
 /// x₀ and the walk's first direction.
 #[inline(always)]
-pub(super) fn emit<S: Spectrum, T: Tracer, P: Sampler>(
-    trace: &mut Trace<'_, '_, T>,
+pub(super) fn emit<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     sampler: &mut P,
-) -> Option<Emission<S>> {
+) -> Option<Emission<K::S>> {
     sampler.at(Subpath::Light, 0);
     let (choice, position) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
     let (direction, more) = (
@@ -75,7 +75,16 @@ pub(super) fn emit<S: Spectrum, T: Tracer, P: Sampler>(
         sampler.two(Purpose::Direction),
     );
     trace.counters.light_walks += 1;
-    emitter::emission(trace.scene, choice, position, direction, more)
+    let mut emission = emitter::emission(trace.scene, choice, position, direction, more)?;
+    if K::MEDIA && (emission.volume || emission.normal.is_some()) {
+        // Surfaces emit into whatever is in front of them; what glows only where it is.
+        let here = trace.medium_at(emission.origin, emission.direction);
+        if emission.volume && here != emission.medium {
+            return None;
+        }
+        emission.medium = here;
+    }
+    Some(emission)
 }
 
 /// What the sensor sees of a light walk's vertex (t = 1), before any weight.
@@ -85,7 +94,7 @@ pub(super) struct Seen<S> {
     pub value: S,
     /// Where and how it appears.
     pub projection: Projection,
-    /// Density of the sensor's walk at the vertex, per area (per solid angle at infinity).
+    /// Density of the sensor's walk at the vertex, per area (per volume in one, per solid angle at infinity).
     pub density: Real,
     /// Density of the sensor's walk going on to the vertex before it.
     pub reverse: Real,
@@ -93,17 +102,17 @@ pub(super) struct Seen<S> {
 
 /// Joins the light itself to the sensor (s = 1).
 #[inline(always)]
-pub(super) fn see_light<S: Spectrum, T: Tracer, P: Sampler>(
-    trace: &mut Trace<'_, '_, T>,
+pub(super) fn see_light<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     element: &Element,
-    emission: &Emission<S>,
+    emission: &Emission<K::S>,
     sampler: &mut P,
-) -> Option<Seen<S>> {
+) -> Option<Seen<K::S>> {
     if emission.visible.is_black() {
         return None;
     }
     let lens = sampler.two(Purpose::Lens);
-    let (projection, cos, ray) = if emission.distant {
+    let (projection, cos, ray, medium) = if emission.distant {
         let towards = -emission.direction;
         let (projection, lens) = element.project_distant(trace.scene, towards, lens)?;
         let ray = Ray {
@@ -112,57 +121,72 @@ pub(super) fn see_light<S: Spectrum, T: Tracer, P: Sampler>(
             t_min: 0.0,
             t_max: Real::INFINITY,
         };
-        (projection, 1.0, ray)
+        (projection, 1.0, ray, trace.scene.sensor().medium)
     } else {
         let projection = element.project(trace.scene, emission.position, lens)?;
-        let cos = emission.normal?.dot(projection.direction);
+        let cos = emission.normal.map_or(1.0, |n| n.dot(projection.direction));
         let ray = Ray {
             origin: emission.origin,
             direction: projection.direction,
             t_min: 0.0,
             t_max: projection.distance,
         };
-        (projection, cos, ray)
+        (projection, cos, ray, emission.medium)
     };
     if cos <= 0.0 {
         return None;
     }
-    let free = trace.visibility(ray);
-    let density = projection.density * cos;
-    (free > 0.0).then(|| Seen {
-        value: emission.visible * (density * projection.scale * free),
+    let sight = trace.visibility(ray, medium, sampler);
+    if sight.value.is_black() {
+        return None;
+    }
+    let facing = if emission.distant {
+        1.0
+    } else {
+        source_facing(trace, emission, projection.direction)
+    };
+    let white = K::S::WHITE;
+    Some(Seen {
+        value: emission.visible
+            * joined::<K>(trace.lead, white, white, sight.value)
+            * (projection.density * cos * projection.scale),
         projection,
-        density,
+        density: projection.density * facing * sight.expected,
         reverse: 0.0,
     })
 }
 
 /// Joins a vertex of the walk to the sensor (s ≥ 2).
 #[inline(always)]
-pub(super) fn see_vertex<S: Spectrum, T: Tracer, P: Sampler>(
-    trace: &mut Trace<'_, '_, T>,
+pub(super) fn see_vertex<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     element: &Element,
-    vertex: &Vertex<S>,
+    vertex: &Vertex<K::S>,
     sampler: &mut P,
-) -> Option<Seen<S>> {
-    if !vertex.surface.has_smooth() {
+) -> Option<Seen<K::S>> {
+    if !vertex.has_smooth::<K>(trace.scene) {
         return None;
     }
     let lens = sampler.two(Purpose::Lens);
     let projection = element.project(trace.scene, vertex.point.position, lens)?;
     let Joint {
         value, pdf_reverse, ..
-    } = vertex.join(projection.direction, Mode::Importance)?;
-    let free = trace.visibility(Ray {
+    } = vertex.join::<K>(trace.scene, projection.direction, Mode::Importance)?;
+    let ray = Ray {
         origin: vertex.point.leave(projection.direction),
         direction: projection.direction,
         t_min: 0.0,
         t_max: projection.distance,
-    });
-    (free > 0.0).then(|| Seen {
-        value: vertex.throughput * value * (projection.density * projection.scale * free),
+    };
+    let medium = vertex.medium_towards(projection.direction);
+    let sight = trace.visibility(ray, medium, sampler);
+    (!sight.value.is_black()).then(|| Seen {
+        value: vertex.throughput
+            * value
+            * joined::<K>(trace.lead, vertex.ratio, K::S::WHITE, sight.value)
+            * (projection.density * projection.scale),
         projection,
-        density: projection.density * projection.direction.dot(vertex.point.normal).abs(),
+        density: projection.density * vertex.facing(trace, projection.direction) * sight.expected,
         reverse: pdf_reverse,
     })
 }

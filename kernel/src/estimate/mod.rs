@@ -5,13 +5,24 @@
 
 #[cfg(feature = "bidirectional")]
 mod bidirectional;
+mod equiangular;
 #[cfg(feature = "light")]
 mod light;
 mod path;
+mod share;
 
 use crate::blob::Scene;
-use crate::path::{Counters, Heuristic, History, HistoryView, Link, Mis, Trace, Vertex};
+use crate::blob::format::NONE;
+#[cfg(feature = "media")]
+use crate::blob::format::needs;
+#[cfg(feature = "media")]
+use crate::path::Volumes;
+use crate::path::{
+    Counters, Heuristic, History, HistoryView, Instance, Link, Mis, Surfaces, Trace, Vertex,
+};
 use crate::random::{Pcg, Sampler};
+#[cfg(feature = "media")]
+use crate::random::{Purpose, Subpath};
 use crate::real::{Real, Vec3};
 use crate::sensor::Element;
 use crate::shape::{Instructions, Tracer};
@@ -230,7 +241,7 @@ impl Scene<'_> {
 }
 
 /// One sample of `element`, with geometry answered by `tracer` and numbers by `sampler`: the general form of
-/// [`Scene::estimate`], for engines that bring their own.
+/// [`Scene::estimate`], for engines that bring their own. Runs the instance of the estimator that has what the scene needs.
 pub fn estimate_with<S: Spectrum, T: Tracer, P: Sampler>(
     scene: &Scene<'_>,
     tracer: &T,
@@ -240,11 +251,31 @@ pub fn estimate_with<S: Spectrum, T: Tracer, P: Sampler>(
     scratch: &mut ScratchView<'_, S>,
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
-    let mut trace = Trace::new(scene, tracer);
+    #[cfg(feature = "media")]
+    if scene.has(needs::MEDIA) {
+        sampler.at(Subpath::Sensor, 0);
+        let lead = (sampler.one(Purpose::Lead) * S::CHANNELS as Real) as usize;
+        let trace = Trace::<T, Volumes<S>>::new(scene, tracer, lead);
+        return estimate_by(trace, settings, element, sampler, scratch, splat);
+    }
+    let trace = Trace::<T, Surfaces<S>>::new(scene, tracer, 0);
+    estimate_by(trace, settings, element, sampler, scratch, splat)
+}
+
+/// By one instance.
+#[inline(always)]
+fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
+    mut trace: Trace<'_, '_, T, K>,
+    settings: &Settings,
+    element: &Element,
+    sampler: &mut P,
+    scratch: &mut ScratchView<'_, K::S>,
+    splat: &mut impl FnMut([u32; 2], Rgb),
+) -> Rgb {
     let mut rejected = 0;
-    let value: S = {
+    let value: K::S = {
         #[cfg_attr(not(feature = "light"), allow(unused_variables))]
-        let splat = &mut |pixel, value: S| match accept(value) {
+        let splat = &mut |pixel, value: K::S| match accept(value) {
             Some(v) => splat(pixel, v),
             None => rejected += 1,
         };
@@ -265,6 +296,17 @@ pub fn estimate_with<S: Spectrum, T: Tracer, P: Sampler>(
     trace.counters.rejected += rejected + u64::from(value.is_none());
     *scratch.counters += trace.counters;
     value.unwrap_or(Rgb::BLACK)
+}
+
+/// The medium that a sensor walk begins in: the camera's is known; around other elements the scene is asked.
+#[inline(always)]
+fn surroundings<T: Tracer, K: Instance>(trace: &mut Trace<'_, '_, T, K>, element: &Element) -> u32 {
+    match element {
+        _ if !K::MEDIA => NONE,
+        Element::Pixel(_) => trace.scene.sensor().medium,
+        Element::Ray(ray) => trace.medium_at(ray.origin, ray.direction),
+        Element::Irradiance { position, normal } => trace.medium_at(*position, *normal),
+    }
 }
 
 /// The number of a pixel's stream of random numbers.

@@ -1,44 +1,66 @@
 //! Path tracing (Kajiya 1986): a walk from the sensor. At each vertex a light is sampled (s = 1) and
-//! the walk itself may meet one (s = 0); the two share by MIS (Veach 1997, §9.2).
+//! the walk itself may meet one (s = 0); the two share by MIS (Veach 1997, §9.2), with a third where small lights stand
+//! in media.
 
-use super::Settings;
+use super::share::{Strategy, share};
+use super::{Settings, equiangular};
+use crate::blob::format::NONE;
 use crate::emitter;
-use crate::path::{Arrival, Heuristic, Trace, Walk};
+use crate::path::{Arrival, Instance, Leg, Trace, Walk, joined};
 use crate::random::{Purpose, Sampler};
-use crate::real::{Real, Vec3, square};
+use crate::real::{Vec3, square};
 use crate::sensor::Element;
 use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
-use crate::surface::{Local, Mode};
+use crate::surface::Mode;
 
 /// One sample.
 #[inline(always)]
-pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
-    trace: &mut Trace<'_, '_, T>,
+pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-) -> S {
+) -> K::S {
     let limit = settings.limit();
-    let mut radiance = S::BLACK;
+    let mut radiance = K::S::BLACK;
     if limit == 0 {
         return radiance;
     }
     let scene = trace.scene;
     let start = element.start(scene, sampler);
     let mis = super::mis(settings, 0.0, 1);
-    let mut walk = Walk::<S>::from_sensor(&start, 0.0);
-    // Where the walk comes from: the density of having sampled the light from there competes.
-    let mut from: Option<Vec3> = None;
+    let medium = super::surroundings(trace, element);
+    let mut walk = Walk::<K::S>::from_sensor(&start, medium, 0.0);
+    // Where the walk comes from, and how it got there through a medium: the densities of having drawn a point of the light
+    // for it, and it for a point of the light, compete.
+    let mut from: Option<(Vec3, Option<Leg<K::S>>)> = None;
     loop {
-        let (vertex, distance) = match walk.arrive(trace, sampler, &mis) {
+        let before = walk.throughput;
+        let arrival = walk.arrive(trace, sampler, &mis);
+        if K::MEDIA {
+            // What glows on the way, by its integral along the line: no other strategy makes it.
+            radiance += walk.glow;
+            if let Some((leg, count)) = walk.drawn
+                && walk.edges < limit
+            {
+                radiance += equiangular::estimate(trace, settings, &leg, count, before, sampler);
+            }
+        }
+        // How a walk would have come here: by its direction, and through the media on the way.
+        let walked = walk.pdf() * walk.expected;
+        let (vertex, distance) = match arrival {
             Arrival::Vertex(vertex, distance) => (vertex, distance),
             Arrival::Escaped(_) => {
                 if let Some((background, density)) =
-                    emitter::background::<S>(scene, walk.ray.direction)
+                    emitter::background::<K::S>(scene, walk.ray.direction)
                 {
                     let weight = if from.is_some() {
-                        share(settings.heuristic, walk.pdf(), density, true)
+                        let rivals = [
+                            (Strategy::Drawn, density / walked),
+                            (Strategy::Equiangular, 0.0),
+                        ];
+                        share(settings.heuristic, Strategy::Met, rivals)
                     } else {
                         1.0
                     };
@@ -53,10 +75,10 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
             .shape(vertex.point.shape)
             .and_then(|s| scene.emitter(s.emitter))
         {
-            let emitted = emitter::radiance::<S>(e, &vertex.point, vertex.previous);
+            let emitted = emitter::radiance::<K::S>(e, &vertex.point, vertex.previous);
             if !emitted.is_black() {
                 let weight = match from {
-                    Some(y) => {
+                    Some((y, leg)) => {
                         let density = emitter::connect_density(
                             scene,
                             e,
@@ -65,7 +87,15 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
                             walk.ray.direction,
                             distance,
                         );
-                        share(settings.heuristic, walk.pdf(), density, true)
+                        let cos = vertex.previous.dot(vertex.point.normal);
+                        let blind = emitter::trace_density(e) * square(distance) / cos;
+                        let by_angle =
+                            equiangular::rival(trace, leg.as_ref(), vertex.point.position);
+                        let rivals = [
+                            (Strategy::Drawn, density / walked),
+                            (Strategy::Equiangular, by_angle * blind / walked),
+                        ];
+                        share(settings.heuristic, Strategy::Met, rivals)
                     }
                     None => 1.0,
                 };
@@ -75,60 +105,46 @@ pub(super) fn estimate<S: Spectrum, T: Tracer, P: Sampler>(
         if walk.edges >= limit {
             break;
         }
+        let leg = walk
+            .leg
+            .filter(|_| vertex.scattering.is_some() && equiangular::wanted(trace));
         // s = 1.
-        if vertex.surface.has_smooth() {
+        if vertex.has_smooth::<K>(scene) {
             let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
             let more = sampler.two(Purpose::Emission);
             if let Some(light) =
-                emitter::incident::<S>(scene, vertex.point.position, choice, xi, more)
-                && let Some(joint) = vertex.join(light.direction, Mode::Radiance)
+                emitter::incident::<K::S>(scene, vertex.point.position, choice, xi, more)
+                // What glows is met on the way.
+                && light.medium == NONE
+                && let Some(joint) = vertex.join::<K>(scene, light.direction, Mode::Radiance)
             {
-                let free = trace.sees(&vertex.point, light.direction, light.end);
-                if free > 0.0 {
-                    let weight = if light.dirac {
-                        1.0
+                let sight = trace.sees(&vertex, light.direction, light.end, sampler);
+                if !sight.value.is_black() {
+                    let met = if light.dirac {
+                        0.0
                     } else {
-                        share(settings.heuristic, light.pdf, joint.pdf, false)
+                        joint.pdf * sight.expected / light.pdf
                     };
+                    let by_angle = light
+                        .end
+                        .map_or(0.0, |x0| equiangular::rival(trace, leg.as_ref(), x0));
+                    let rivals = [
+                        (Strategy::Met, met),
+                        (Strategy::Equiangular, by_angle * light.trace_over_connect),
+                    ];
+                    let weight = share(settings.heuristic, Strategy::Drawn, rivals);
                     radiance += walk.throughput
                         * joint.value
                         * light.radiance
-                        * (weight * free / light.pdf);
+                        * joined::<K>(trace.lead, walk.ratio, K::S::WHITE, sight.value)
+                        * (weight / light.pdf);
                 }
             }
         }
-        if walk.leave(&vertex, sampler).is_none() {
+        if walk.leave(trace, &vertex, sampler).is_none() {
             break;
         }
-        from = (!walk.dirac()).then_some(vertex.point.position);
+        from = (!walk.dirac()).then_some((vertex.point.position, leg));
     }
     radiance
-}
-
-/// The weight of a strategy with density `own` that shares a path with one of density `other`;
-/// `first` says which of them wins a tie.
-#[inline(always)]
-fn share(heuristic: Heuristic, own: Real, other: Real, first: bool) -> Real {
-    let ratio = other / own;
-    let w = match heuristic {
-        Heuristic::Balance => 1.0 / (1.0 + ratio),
-        Heuristic::Power => 1.0 / (1.0 + square(ratio)),
-        Heuristic::Cutoff => {
-            if ratio * crate::path::CUTOFF > 1.0 {
-                0.0
-            } else if ratio < crate::path::CUTOFF {
-                1.0
-            } else {
-                1.0 / (1.0 + ratio)
-            }
-        }
-        Heuristic::Maximum => {
-            if ratio < 1.0 || (ratio == 1.0 && first) {
-                1.0
-            } else {
-                0.0
-            }
-        }
-    };
-    if w.is_finite() { w } else { 0.0 }
 }

@@ -125,6 +125,21 @@ impl<'a> Way<'_, 'a> {
         }
     }
 
+    /// σ_t and σ_s at `t`.
+    pub fn matter<S: Spectrum>(&self, t: Real) -> (S, S) {
+        if self.medium.kind == medium::HOMOGENEOUS {
+            let sigma = S::from_rgb(self.medium.sigma_t);
+            return (sigma, sigma * S::from_rgb(self.medium.albedo));
+        }
+        match self.passage() {
+            Some(p) if p.line.start <= t && t <= p.line.end => {
+                let sigma = p.sigma::<S>(t);
+                (sigma, p.scattering(t, sigma))
+            }
+            _ => (S::BLACK, S::BLACK),
+        }
+    }
+
     /// What MIS takes for the density of getting through, if `lead` leads: the same number for the same way in either
     /// direction, up to rounding.
     #[inline(always)]

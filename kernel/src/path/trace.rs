@@ -1,13 +1,19 @@
 //! Asking the scene: what does a ray meet, is a segment free. Masks and null boundaries are dealt
 //! with here, so that walks and connections never see them: they count no edge, and a fractional mask
-//! is passed with probability 1 − α on a walk and multiplies V by 1 − α on a connection.
+//! is passed with probability 1 − α on a walk and multiplies V by 1 − α on a connection. So is what fills the space
+//! between surfaces: free flight on a walk, transmittance on a connection.
 
+use super::boundary::{PARTS_NOTHING, side, sides};
+use super::instance::Instance;
+use super::vertex::Vertex;
 use crate::blob::Scene;
-use crate::blob::format::{NONE, Shape, material};
+use crate::blob::format::{NONE, Shape, material, needs};
+use crate::medium::{Carried, Collision, Flight, Way};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Real, Vec3, sqrt};
 use crate::shape::{Point, Ray, Tracer};
 use crate::spectrum::Spectrum;
+use core::marker::PhantomData;
 
 /// The most edges of a walk, and the most surfaces (masks, null boundaries) that all rays of one sample pass together.
 /// The only cut there is; reaching it is counted ([`Counters::cut_walks`]).
@@ -63,53 +69,143 @@ impl core::ops::AddAssign for Counters {
 
 /// What a ray met.
 #[derive(Clone, Copy, Debug)]
-pub enum Meeting {
+#[allow(clippy::large_enum_variant)] // inlined where it is made: it never moves
+pub enum Meeting<S> {
     /// A surface, after this distance.
     Surface(Point, Real),
+    /// Something in the medium it was in, after this distance.
+    Collision(Collision<S>, Real),
     /// Nothing: it left the scene.
     Escaped,
     /// It ran into [`MAX_STEPS`].
     Cut,
 }
 
+/// A way through one medium that a walk has begun.
+#[derive(Clone, Copy, Debug)]
+pub struct Leg<S> {
+    /// The medium.
+    pub medium: u32,
+    /// The way: its origin is where the walk entered the medium, or the vertex it left; `t_max` is where the medium ends.
+    pub ray: Ray,
+    /// How far along the walk collided, if it did.
+    pub t: Real,
+    /// What it carried where it began, relative to the vertex it left.
+    pub carried: Carried<S>,
+}
+
+/// A walk between two of its vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<S> {
+    /// The medium it is in.
+    pub medium: u32,
+    /// f/p̄ of the way, and the densities by channel.
+    pub carried: Carried<S>,
+    /// What the media on the way send back along it.
+    pub glow: S,
+    /// The probability of getting so far, as the weights assume it.
+    pub expected: Real,
+    /// The last way through a medium.
+    pub leg: Option<Leg<S>>,
+    /// One of them all, drawn uniformly, and how many there were.
+    pub drawn: Option<(Leg<S>, u32)>,
+}
+
+impl<S: Spectrum> Passage<S> {
+    /// Begins a way.
+    #[inline(always)]
+    fn enter(&mut self, way: &Way<'_, '_>, sampler: &mut impl Sampler) {
+        let leg = Leg {
+            medium: self.medium,
+            ray: way.ray,
+            t: 0.0,
+            carried: self.carried,
+        };
+        self.leg = Some(leg);
+        // A reservoir of one: the n-th takes the place of the one before with probability 1/n.
+        let n = self.drawn.map_or(0, |(_, n)| n) + 1;
+        let stay = n > 1 && sampler.one(Purpose::Flight) * n as Real >= 1.0;
+        self.drawn = match self.drawn {
+            Some((before, _)) if stay => Some((before, n)),
+            _ => Some((leg, n)),
+        };
+    }
+}
+
+/// What is between two points.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight<S> {
+    /// V·τ: 0 past a surface; the product of 1 − α and of the media's transmittance on the way.
+    pub value: S,
+    /// The probability that a walk gets through, as the weights assume it.
+    pub expected: Real,
+    /// The medium at the other end.
+    pub medium: u32,
+}
+
+impl<S: Spectrum> Sight<S> {
+    /// Through empty space, of which this part is free.
+    #[inline(always)]
+    fn free(part: Real) -> Self {
+        Self {
+            value: S::grey(part),
+            expected: 1.0,
+            medium: NONE,
+        }
+    }
+}
+
 /// A scene, the tracer that answers for it, and the counters.
-pub struct Trace<'t, 'a, T> {
+pub struct Trace<'t, 'a, T, K> {
     /// The scene.
     pub scene: &'t Scene<'a>,
     /// Who answers for its geometry.
     pub tracer: &'t T,
     /// What happened.
     pub counters: Counters,
-    /// Surfaces passed.
-    passed: u32,
+    /// The channel whose densities distances are drawn from ([`crate::medium`]).
+    pub lead: usize,
+    /// Surfaces that may still be passed, and tentative collisions.
+    remaining: u32,
+    instance: PhantomData<K>,
 }
 
-impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
+impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
     /// With counters at zero.
     #[inline(always)]
-    pub fn new(scene: &'t Scene<'a>, tracer: &'t T) -> Self {
+    pub fn new(scene: &'t Scene<'a>, tracer: &'t T, lead: usize) -> Self {
         Self {
             scene,
             tracer,
             counters: Counters::default(),
-            passed: 0,
+            lead,
+            remaining: MAX_STEPS,
+            instance: PhantomData,
         }
     }
 
     /// Takes note of a surface that is passed; false if that was one too many.
     #[inline(always)]
     fn pass(&mut self) -> bool {
-        self.passed += 1;
-        if self.passed > MAX_STEPS {
+        if self.remaining == 0 {
             self.counters.cut_walks += 1;
             return false;
         }
+        self.remaining -= 1;
         true
     }
 
-    /// The first surface that stops `ray`.
+    /// The first surface that stops `ray`, or the collision before it.
     #[inline(always)]
-    pub fn meet(&mut self, ray: Ray, sampler: &mut impl Sampler) -> Meeting {
+    pub fn meet(
+        &mut self,
+        ray: Ray,
+        passage: &mut Passage<K::S>,
+        sampler: &mut impl Sampler,
+    ) -> Meeting<K::S> {
+        if K::MEDIA {
+            return self.meet_in_media(ray, passage, sampler);
+        }
         self.counters.closest_rays += 1;
         let Some(hit) = self.tracer.closest(&ray) else {
             return Meeting::Escaped;
@@ -131,7 +227,7 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
         mut point: Point,
         mut t: Real,
         sampler: &mut impl Sampler,
-    ) -> Meeting {
+    ) -> Meeting<K::S> {
         let mut distance = 0.0;
         loop {
             let opacity = self.opacity(&point, ray.direction);
@@ -142,12 +238,7 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
                 return Meeting::Cut;
             }
             distance += t;
-            ray = Ray {
-                origin: point.leave(ray.direction),
-                t_min: 0.0,
-                t_max: ray.t_max - t,
-                ..ray
-            };
+            ray = past(&ray, &point, t);
             self.counters.closest_rays += 1;
             let next = self.tracer.closest(&ray);
             let Some((hit, p)) = next.and_then(|h| Some((h, Point::at(self.scene, &ray, &h)?)))
@@ -158,22 +249,165 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
         }
     }
 
-    /// V over a segment that starts off its surface at `ray.origin`: 1, 0, or the product of 1 − α on the way.
-    /// `ray.t_max` is the distance of the other end.
-    #[inline(always)]
-    pub fn visibility(&mut self, mut ray: Ray) -> Real {
-        self.counters.shadow_rays += 1;
-        ray.t_max *= SHORTEN;
-        if !self.scene.has_passable() {
-            return if self.tracer.occluded(&ray) { 0.0 } else { 1.0 };
+    /// [`Self::meet`] where there are media.
+    #[inline(never)]
+    fn meet_in_media(
+        &mut self,
+        mut ray: Ray,
+        passage: &mut Passage<K::S>,
+        sampler: &mut impl Sampler,
+    ) -> Meeting<K::S> {
+        let mut distance = 0.0;
+        loop {
+            self.counters.closest_rays += 1;
+            let hit = self.tracer.closest(&ray);
+            let found = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)));
+            let end = found.map_or(ray.t_max, |(_, t)| t);
+            if let Some(way) = self.way(&ray, end, passage.medium) {
+                if self.scene.has(needs::SMALL_LIGHTS) {
+                    passage.enter(&way, sampler);
+                }
+                let flight = way.fly(
+                    self.lead,
+                    &mut passage.carried,
+                    &mut passage.glow,
+                    &mut self.remaining,
+                    sampler,
+                );
+                match flight {
+                    Flight::Collided(c) => {
+                        let walked = Ray {
+                            t_max: c.t,
+                            ..way.ray
+                        };
+                        passage.expected *= Way { ray: walked, ..way }.expected(self.lead);
+                        return Meeting::Collision(c, distance + ray.t_min + c.t);
+                    }
+                    Flight::Through => passage.expected *= way.expected(self.lead),
+                    Flight::Cut => {
+                        self.counters.cut_walks += 1;
+                        return Meeting::Cut;
+                    }
+                }
+            }
+            let Some((point, t)) = found else {
+                return Meeting::Escaped;
+            };
+            let opacity = self.opacity(&point, ray.direction);
+            if opacity >= 1.0 || (opacity > 0.0 && sampler.one(Purpose::Opacity) < opacity) {
+                return Meeting::Surface(point, distance + t);
+            }
+            if !self.pass() {
+                return Meeting::Cut;
+            }
+            distance += t;
+            passage.medium = self.behind(&point, ray.direction, passage.medium);
+            ray = past(&ray, &point, t);
         }
-        self.visibility_past(ray)
     }
 
-    /// V between a surface point and `end`, a point off its own surface, or infinity in `direction`.
+    /// A way through a medium that begins like `leg` and goes on for `length`.
     #[inline(always)]
-    pub fn sees(&mut self, from: &Point, direction: Vec3, end: Option<Vec3>) -> Real {
-        let origin = from.leave(direction);
+    pub fn along(&self, leg: &Leg<K::S>, length: Real) -> Option<Way<'t, 'a>> {
+        let ray = Ray {
+            t_max: length,
+            ..leg.ray
+        };
+        Some(Way {
+            scene: self.scene,
+            medium: self.scene.medium(leg.medium)?,
+            ray,
+        })
+    }
+
+    /// τ over `way`.
+    #[inline(always)]
+    pub fn transmittance(&mut self, way: &Way<'_, '_>, sampler: &mut impl Sampler) -> K::S {
+        way.transmittance(&mut self.remaining, sampler)
+    }
+
+    /// The way through `medium` from where `ray` begins to `end`; `None` through a vacuum.
+    #[inline(always)]
+    fn way(&self, ray: &Ray, end: Real, medium: u32) -> Option<Way<'t, 'a>> {
+        let medium = self.scene.medium(medium)?;
+        let ray = Ray {
+            origin: ray.origin + ray.direction * ray.t_min,
+            direction: ray.direction,
+            t_min: 0.0,
+            t_max: end - ray.t_min,
+        };
+        Some(Way {
+            scene: self.scene,
+            medium,
+            ray,
+        })
+    }
+
+    /// The medium that a ray is in after it has passed the surface at `point` out of `medium`.
+    #[inline(always)]
+    fn behind(&self, point: &Point, direction: Vec3, medium: u32) -> u32 {
+        side(&sides(self.scene, point, medium), point, direction)
+    }
+
+    /// The medium around `position`, which lies on no surface: what the first surface that parts media says, looking along
+    /// `direction`.
+    #[inline(never)]
+    pub fn medium_at(&mut self, position: Vec3, direction: Vec3) -> u32 {
+        let mut ray = Ray {
+            origin: position,
+            direction,
+            t_min: 0.0,
+            t_max: Real::INFINITY,
+        };
+        loop {
+            self.counters.closest_rays += 1;
+            let hit = self.tracer.closest(&ray);
+            let Some((point, t)) = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)))
+            else {
+                return self.scene.world().exterior;
+            };
+            let media = sides(self.scene, &point, PARTS_NOTHING);
+            if media != [PARTS_NOTHING; 2] {
+                return side(&media, &point, -direction);
+            }
+            if !self.pass() {
+                return self.scene.world().exterior;
+            }
+            ray = past(&ray, &point, t);
+        }
+    }
+
+    /// V·τ over a segment that starts off its surface at `ray.origin`, in `medium`.
+    /// `ray.t_max` is the distance of the other end.
+    #[inline(always)]
+    pub fn visibility(
+        &mut self,
+        mut ray: Ray,
+        medium: u32,
+        sampler: &mut impl Sampler,
+    ) -> Sight<K::S> {
+        self.counters.shadow_rays += 1;
+        if K::MEDIA {
+            return self.visibility_in_media(ray, medium, sampler);
+        }
+        ray.t_max *= SHORTEN;
+        if !self.scene.has_passable() {
+            return Sight::free(if self.tracer.occluded(&ray) { 0.0 } else { 1.0 });
+        }
+        Sight::free(self.visibility_past(ray))
+    }
+
+    /// V·τ between a vertex and `end`, a point off its own surface, or infinity in `direction`.
+    #[inline(always)]
+    pub fn sees(
+        &mut self,
+        from: &Vertex<K::S>,
+        direction: Vec3,
+        end: Option<Vec3>,
+        sampler: &mut impl Sampler,
+    ) -> Sight<K::S> {
+        let origin = from.point.leave(direction);
+        let medium = from.medium_towards(direction);
         let mut ray = Ray {
             origin,
             direction,
@@ -185,11 +419,56 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
             let segment = end - origin;
             let length = sqrt(segment.dot(segment));
             if length <= 0.0 {
-                return 1.0;
+                return Sight {
+                    medium,
+                    ..Sight::free(1.0)
+                };
             }
             (ray.direction, ray.t_max) = (segment * (1.0 / length), length);
         }
-        self.visibility(ray)
+        self.visibility(ray, medium, sampler)
+    }
+
+    #[inline(never)]
+    fn visibility_in_media(
+        &mut self,
+        mut ray: Ray,
+        mut medium: u32,
+        sampler: &mut impl Sampler,
+    ) -> Sight<K::S> {
+        let mut sight = Sight::<K::S>::free(1.0);
+        // Surfaces aren't asked about that far; media fill it all.
+        let rounding = if ray.t_max < Real::INFINITY {
+            ray.t_max * (1.0 - SHORTEN)
+        } else {
+            0.0
+        };
+        loop {
+            let hit = self.tracer.closest(&Ray {
+                t_max: ray.t_max - rounding,
+                ..ray
+            });
+            let found = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)));
+            let opacity = found.map_or(0.0, |(point, _)| self.opacity(&point, ray.direction));
+            if opacity >= 1.0 {
+                return Sight::free(0.0);
+            }
+            let end = found.map_or(ray.t_max, |(_, t)| t);
+            if let Some(way) = self.way(&ray, end, medium) {
+                sight.value *= way.transmittance::<K::S>(&mut self.remaining, sampler);
+                sight.expected *= way.expected(self.lead);
+            }
+            sight.medium = medium;
+            let Some((point, t)) = found else {
+                return sight;
+            };
+            sight.value *= 1.0 - opacity;
+            if sight.value.is_black() || !self.pass() {
+                return Sight::free(0.0);
+            }
+            medium = self.behind(&point, ray.direction, medium);
+            ray = past(&ray, &point, t);
+        }
     }
 
     #[inline(never)]
@@ -206,12 +485,7 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
             if free <= 0.0 || !self.pass() {
                 return 0.0;
             }
-            ray = Ray {
-                origin: point.leave(ray.direction),
-                t_min: 0.0,
-                t_max: ray.t_max - hit.t,
-                ..ray
-            };
+            ray = past(&ray, &point, hit.t);
         }
     }
 
@@ -237,6 +511,17 @@ impl<'t, 'a, T: Tracer> Trace<'t, 'a, T> {
         self.scene
             .material(id)
             .is_some_and(|m| m.kind == material::NULL)
+    }
+}
+
+/// What is left of `ray` behind the surface that it met at `point` after `t`.
+#[inline(always)]
+fn past(ray: &Ray, point: &Point, t: Real) -> Ray {
+    Ray {
+        origin: point.leave(ray.direction),
+        t_min: 0.0,
+        t_max: ray.t_max - t,
+        ..*ray
     }
 }
 

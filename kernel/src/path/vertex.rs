@@ -1,15 +1,20 @@
-//! A path vertex on a surface: how light scatters there, and where the walk goes next.
+//! A path vertex, on a surface or in a volume: how light scatters there, and where the walk goes next.
 //!
 //! f̂ carries the shading-normal correction, so that G can use geometric normals throughout:
 //! f̂ = f·|ω_i·n_s|/|ω_i·n_g| with ω_i towards the light, whoever walks (Veach 1997, §5.3).
 
+use super::boundary::{side, sides};
+use super::instance::Instance;
+use super::trace::Trace;
 use super::weight::Terms;
 use crate::blob::Scene;
+use crate::blob::format::NONE;
+use crate::medium::{Phase, density};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Frame, Real, Vec3};
 use crate::shape::Point;
 use crate::spectrum::Spectrum;
-use crate::surface::{Local, Mode, Surface};
+use crate::surface::{Local, Mode, Scatter, Surface};
 
 /// A vertex of a walk, with what the weights need of the walk so far.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +23,14 @@ pub struct Vertex<S> {
     pub point: Point,
     /// Shading frame.
     pub frame: Frame,
-    /// Local model.
+    /// Local model; in a volume none.
     pub surface: Surface<S>,
+    /// σ_s, in a volume: what scatters is the phase function of `media`.
+    pub scattering: Option<S>,
+    /// The media in front of the surface and behind it; in a volume both are the one it is.
+    pub media: [u32; 2],
+    /// p_k/p̄ of the walk so far, by channel ([`crate::medium`]).
+    pub ratio: S,
     /// Towards the previous vertex of the walk, unit.
     pub previous: Vec3,
     /// What the walk carries here: f/p of everything before this vertex.
@@ -45,10 +56,26 @@ pub struct Step<S> {
     pub eta_scale: Real,
 }
 
+impl<S: Spectrum> Step<S> {
+    /// In the world's `direction`; `None` where nothing goes there.
+    #[inline(always)]
+    fn new(direction: Vec3, s: Scatter<S>, correction: Real) -> Option<Self> {
+        let weight = s.weight * correction;
+        (!weight.is_black()).then_some(Self {
+            direction,
+            weight,
+            pdf: s.pdf,
+            pdf_reverse: s.pdf_reverse,
+            dirac: s.dirac,
+            eta_scale: s.eta_scale,
+        })
+    }
+}
+
 /// What a vertex says of a direction to which it is joined.
 #[derive(Clone, Copy, Debug)]
 pub struct Joint<S> {
-    /// f̂·|cos| with geometric cosine.
+    /// f̂·|cos| with geometric cosine; σ_s·p in a volume.
     pub value: S,
     /// Density per solid angle of sampling the direction.
     pub pdf: Real,
@@ -57,9 +84,16 @@ pub struct Joint<S> {
 }
 
 impl<S: Spectrum> Vertex<S> {
-    /// The vertex at `point`, reached from direction `previous`; its weight terms are zero.
+    /// The vertex on a surface at `point`, reached from direction `previous` through `medium`; its weight terms are zero.
     #[inline(always)]
-    pub fn new(scene: &Scene<'_>, point: Point, previous: Vec3, throughput: S) -> Self {
+    pub fn on_surface(
+        scene: &Scene<'_>,
+        point: Point,
+        previous: Vec3,
+        medium: u32,
+        throughput: S,
+        ratio: S,
+    ) -> Self {
         let front = previous.dot(point.shading) >= 0.0;
         let material = scene
             .shape(point.shape)
@@ -72,36 +106,138 @@ impl<S: Spectrum> Vertex<S> {
             point,
             frame: Frame::around(point.shading),
             surface,
+            scattering: None,
+            media: [medium; 2],
+            ratio,
             previous,
             throughput,
             terms: Terms::default(),
         }
     }
 
+    /// The vertex in `medium` at `position`, where it scatters with coefficient `scattering`.
+    #[inline(always)]
+    pub fn in_volume(
+        position: Vec3,
+        previous: Vec3,
+        medium: u32,
+        scattering: S,
+        throughput: S,
+        ratio: S,
+    ) -> Self {
+        // No surface: nothing to leave, nothing that emits.
+        let point = Point {
+            position,
+            normal: previous,
+            shading: previous,
+            uv: [0.0; 2],
+            offset: 0.0,
+            shape: NONE,
+            primitive: NONE,
+        };
+        Self {
+            point,
+            frame: Frame {
+                x: Vec3::X,
+                y: Vec3::Y,
+                z: Vec3::Z,
+            },
+            surface: Surface::BLACK,
+            scattering: Some(scattering),
+            media: [medium; 2],
+            ratio,
+            previous,
+            throughput,
+            terms: Terms::default(),
+        }
+    }
+
+    /// Takes note of the media that the surface parts.
+    #[inline(always)]
+    pub(super) fn look_around(&mut self, scene: &Scene<'_>) {
+        let [here, _] = self.media;
+        self.media = sides(scene, &self.point, here);
+    }
+
+    /// The medium that lies towards `direction`.
+    #[inline(always)]
+    pub fn medium_towards(&self, direction: Vec3) -> u32 {
+        side(&self.media, &self.point, direction)
+    }
+
+    /// The phase function, in a volume.
+    #[inline(always)]
+    fn phase<'a>(&self, scene: &Scene<'a>) -> Option<Phase<'a, S>> {
+        let [medium, _] = self.media;
+        Some(Phase {
+            lobes: &scene.medium(medium)?.phase,
+            scattering: self.scattering?,
+        })
+    }
+
+    /// Whether there is a lobe that isn't Dirac: connections are possible.
+    #[inline(always)]
+    pub fn has_smooth<K: Instance<S = S>>(&self, scene: &Scene<'_>) -> bool {
+        if K::MEDIA && self.scattering.is_some() {
+            return self.phase(scene).is_some_and(|p| p.has_smooth());
+        }
+        self.surface.has_smooth()
+    }
+
+    /// What turns a density per solid angle, times 1/d², into one of this vertex for a walk that comes along `direction` (or its
+    /// opposite): |cos| per area on a surface, σ_t (as the weights assume it) per volume.
+    #[inline(always)]
+    pub fn facing<T, K: Instance<S = S>>(
+        &self,
+        trace: &Trace<'_, '_, T, K>,
+        direction: Vec3,
+    ) -> Real {
+        if K::MEDIA && self.scattering.is_some() {
+            let [medium, _] = self.media;
+            let medium = trace.scene.medium(medium);
+            return medium.map_or(0.0, |m| density(m, trace.lead));
+        }
+        direction.dot(self.point.normal).abs()
+    }
+
     /// Draws where the walk goes; `None` if it ends here.
     #[inline(always)]
-    pub fn scatter(&self, mode: Mode, sampler: &mut impl Sampler) -> Option<Step<S>> {
-        let w = self.frame.local(self.previous);
+    pub fn scatter<K: Instance<S = S>>(
+        &self,
+        scene: &Scene<'_>,
+        mode: Mode,
+        sampler: &mut impl Sampler,
+    ) -> Option<Step<S>> {
         let lobe = sampler.one(Purpose::Lobe);
-        let s = self
-            .surface
-            .sample(w, mode, lobe, sampler.two(Purpose::Direction))?;
+        let xi = sampler.two(Purpose::Direction);
+        if K::MEDIA && self.scattering.is_some() {
+            let s = self.phase(scene)?.sample(self.previous, lobe, xi);
+            return Step::new(s.wi, s, 1.0);
+        }
+        let w = self.frame.local(self.previous);
+        let s = self.surface.sample(w, mode, lobe, xi)?;
         let direction = self.frame.world(s.wi);
-        let correction = self.correction(w, s.wi, direction, mode)?;
-        let weight = s.weight * correction;
-        (!weight.is_black()).then_some(Step {
-            direction,
-            weight,
-            pdf: s.pdf,
-            pdf_reverse: s.pdf_reverse,
-            dirac: s.dirac,
-            eta_scale: s.eta_scale,
-        })
+        Step::new(direction, s, self.correction(w, s.wi, direction, mode)?)
     }
 
     /// What joining the vertex to something in `direction` gives.
     #[inline(always)]
-    pub fn join(&self, direction: Vec3, mode: Mode) -> Option<Joint<S>> {
+    pub fn join<K: Instance<S = S>>(
+        &self,
+        scene: &Scene<'_>,
+        direction: Vec3,
+        mode: Mode,
+    ) -> Option<Joint<S>> {
+        if K::MEDIA && self.scattering.is_some() {
+            let phase = self.phase(scene)?;
+            // Symmetric: the way back has the same density.
+            let pdf = phase.pdf(self.previous, direction);
+            return (pdf > 0.0).then(|| Joint {
+                value: phase.eval(self.previous, direction),
+                pdf,
+                pdf_reverse: pdf,
+            });
+        }
         let w = self.frame.local(self.previous);
         let to = self.frame.local(direction);
         let correction = self.correction(w, to, direction, mode)?;

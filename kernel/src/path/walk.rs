@@ -1,10 +1,12 @@
 //! The walk: one loop body for both ends. From a sensor it carries radiance's throughput (f/p in mode
 //! radiance), from a light importance's.
 
-use super::trace::{MAX_STEPS, Meeting, Trace, roulette};
+use super::instance::Instance;
+use super::trace::{Leg, MAX_STEPS, Meeting, Passage, Trace, roulette};
 use super::vertex::{Step, Vertex};
 use super::weight::{Mis, Terms};
 use crate::emitter::{self, Emission};
+use crate::medium::{Carried, density};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::{Real, Vec3, square};
 use crate::sensor::Start;
@@ -20,14 +22,28 @@ pub struct Walk<S> {
     pub ray: Ray,
     /// f/p up to and including the direction of `ray`.
     pub throughput: S,
+    /// p_k/p̄ by channel ([`crate::medium`]).
+    pub ratio: S,
+    /// The medium it is in.
+    medium: u32,
+    /// What the media on the last way send back along it, times what the walk carried.
+    pub glow: S,
+    /// E where it collided last.
+    pub emission: S,
+    /// Where the way through a medium began on which it collided last.
+    pub leg: Option<Leg<S>>,
+    /// One of the ways through media that it has gone since it left a vertex, drawn uniformly, and how many there were.
+    pub drawn: Option<(Leg<S>, u32)>,
     /// `throughput` relative to the beginning, without refraction's η²: what roulette looks at.
     relative: S,
     /// Density of the direction per solid angle (of the place of parallel rays, per perpendicular area).
     pdf: Real,
     /// No inverse square at the next vertex: it began at infinity, or at a sensor of parallel rays.
     parallel: bool,
-    /// |cos| at the vertex it left.
-    cos: Real,
+    /// What turns a density per solid angle, times 1/d², into one of the vertex it left ([`Vertex::facing`]).
+    facing: Real,
+    /// The probability of the way it went last, as the weights assume it.
+    pub expected: Real,
     /// Terms of the vertex it left.
     terms: Terms,
     /// Density of the way back at the vertex it left.
@@ -44,7 +60,7 @@ pub struct Walk<S> {
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // inlined where it is made: it never moves
 pub enum Arrival<S> {
-    /// At a surface; the distance.
+    /// At a surface, or in a volume; the distance.
     Vertex(Vertex<S>, Real),
     /// Nowhere: it left the scene. The terms are those of x_∞, whose density is per solid angle.
     Escaped(Terms),
@@ -53,17 +69,24 @@ pub enum Arrival<S> {
 }
 
 impl<S: Spectrum> Walk<S> {
-    /// From the sensor. `light_paths` is n of the strategies with t = 1.
+    /// From the sensor, which stands in `medium`. `light_paths` is n of the strategies with t = 1.
     #[inline(always)]
-    pub fn from_sensor(start: &Start, light_paths: Real) -> Self {
+    pub fn from_sensor(start: &Start, medium: u32, light_paths: Real) -> Self {
         Self {
             mode: Mode::Radiance,
             ray: start.ray,
             throughput: S::grey(start.scale),
+            ratio: S::WHITE,
+            medium,
+            glow: S::BLACK,
+            emission: S::BLACK,
+            leg: None,
+            drawn: None,
             relative: S::WHITE,
             pdf: start.density,
             parallel: start.parallel,
-            cos: 1.0,
+            facing: 1.0,
+            expected: 1.0,
             // Nobody meets a pinhole or a lens: t = 0 doesn't exist.
             terms: Terms {
                 forward: 1.0,
@@ -80,7 +103,10 @@ impl<S: Spectrum> Walk<S> {
 
     /// From a light.
     #[inline(always)]
-    pub fn from_light(emission: &Emission<S>) -> Self {
+    pub fn from_light<T, K: Instance<S = S>>(
+        trace: &Trace<'_, '_, T, K>,
+        emission: &Emission<S>,
+    ) -> Self {
         Self {
             mode: Mode::Importance,
             ray: Ray {
@@ -90,12 +116,17 @@ impl<S: Spectrum> Walk<S> {
                 t_max: Real::INFINITY,
             },
             throughput: emission.throughput,
+            ratio: S::WHITE,
+            medium: emission.medium,
+            glow: S::BLACK,
+            emission: S::BLACK,
+            leg: None,
+            drawn: None,
             relative: S::WHITE,
             pdf: emission.direction_pdf,
             parallel: emission.distant,
-            cos: emission
-                .normal
-                .map_or(1.0, |n| n.dot(emission.direction).abs()),
+            facing: source_facing(trace, emission, emission.direction).abs(),
+            expected: 1.0,
             terms: emission_terms(emission),
             pdf_reverse: 0.0,
             dirac: false,
@@ -106,9 +137,9 @@ impl<S: Spectrum> Walk<S> {
 
     /// Goes to the next vertex.
     #[inline(always)]
-    pub fn arrive<T: Tracer>(
+    pub fn arrive<T: Tracer, K: Instance<S = S>>(
         &mut self,
-        trace: &mut Trace<'_, '_, T>,
+        trace: &mut Trace<'_, '_, T, K>,
         sampler: &mut impl Sampler,
         mis: &Mis,
     ) -> Arrival<S> {
@@ -117,26 +148,88 @@ impl<S: Spectrum> Walk<S> {
             trace.counters.cut_walks += 1;
             return Arrival::Cut;
         }
-        match trace.meet(self.ray, sampler) {
+        let mut passage = Passage {
+            medium: self.medium,
+            carried: Carried {
+                throughput: S::WHITE,
+                ratio: self.ratio,
+            },
+            glow: S::BLACK,
+            expected: 1.0,
+            leg: None,
+            drawn: None,
+        };
+        let meeting = trace.meet(self.ray, &mut passage, sampler);
+        if K::MEDIA {
+            self.medium = passage.medium;
+            self.ratio = passage.carried.ratio;
+            self.glow = self.throughput * passage.glow;
+            self.throughput *= passage.carried.throughput;
+            self.relative *= passage.carried.throughput;
+            self.expected = passage.expected;
+            (self.leg, self.drawn) = (passage.leg, passage.drawn);
+        }
+        match meeting {
             Meeting::Surface(point, distance) => {
-                let mut vertex =
-                    Vertex::new(trace.scene, point, -self.ray.direction, self.throughput);
-                let cos = point.normal.dot(self.ray.direction).abs();
-                let inverse_square = 1.0 / square(distance);
-                let forward = self.pdf * cos * if self.parallel { 1.0 } else { inverse_square };
-                // From x_∞ on, its density is per solid angle: nothing to convert.
-                let at_infinity = self.parallel && self.edges == 1;
-                let back = if at_infinity {
-                    1.0
-                } else {
-                    self.cos * inverse_square
-                };
-                vertex.terms = self.extend(mis, forward, back);
-                Arrival::Vertex(vertex, distance)
+                let mut vertex = Vertex::on_surface(
+                    trace.scene,
+                    point,
+                    -self.ray.direction,
+                    self.medium,
+                    self.throughput,
+                    self.ratio,
+                );
+                if K::MEDIA {
+                    vertex.look_around(trace.scene);
+                }
+                self.emission = S::BLACK;
+                Arrival::Vertex(self.reach(trace, mis, vertex, distance), distance)
             }
-            Meeting::Escaped => Arrival::Escaped(self.extend(mis, self.pdf, self.cos)),
+            Meeting::Collision(collision, distance) => {
+                let vertex = Vertex::in_volume(
+                    self.ray.origin + self.ray.direction * distance,
+                    -self.ray.direction,
+                    self.medium,
+                    collision.scattering,
+                    self.throughput,
+                    self.ratio,
+                );
+                self.emission = collision.emission;
+                Arrival::Vertex(self.reach(trace, mis, vertex, distance), distance)
+            }
+            Meeting::Escaped => {
+                let (forward, back) = (self.pdf * self.expected, self.facing * self.expected);
+                Arrival::Escaped(self.extend(mis, forward, back))
+            }
             Meeting::Cut => Arrival::Cut,
         }
+    }
+
+    /// The terms of `vertex`, reached after `distance`.
+    #[inline(always)]
+    fn reach<T, K: Instance<S = S>>(
+        &self,
+        trace: &Trace<'_, '_, T, K>,
+        mis: &Mis,
+        mut vertex: Vertex<S>,
+        distance: Real,
+    ) -> Vertex<S> {
+        let inverse_square = 1.0 / square(distance);
+        let facing = vertex.facing(trace, self.ray.direction);
+        let mut forward = self.pdf * facing * if self.parallel { 1.0 } else { inverse_square };
+        // From x_∞ on, its density is per solid angle: nothing to convert.
+        let at_infinity = self.parallel && self.edges == 1;
+        let mut back = if at_infinity {
+            1.0
+        } else {
+            self.facing * inverse_square
+        };
+        if K::MEDIA {
+            forward *= self.expected;
+            back *= self.expected;
+        }
+        vertex.terms = self.extend(mis, forward, back);
+        vertex
     }
 
     #[inline(always)]
@@ -150,8 +243,13 @@ impl<S: Spectrum> Walk<S> {
 
     /// Leaves `vertex`; `None` if the walk ends there.
     #[inline(always)]
-    pub fn leave(&mut self, vertex: &Vertex<S>, sampler: &mut impl Sampler) -> Option<Step<S>> {
-        let step = vertex.scatter(self.mode, sampler)?;
+    pub fn leave<T, K: Instance<S = S>>(
+        &mut self,
+        trace: &Trace<'_, '_, T, K>,
+        vertex: &Vertex<S>,
+        sampler: &mut impl Sampler,
+    ) -> Option<Step<S>> {
+        let step = vertex.scatter::<K>(trace.scene, self.mode, sampler)?;
         let mut throughput = self.throughput * step.weight;
         let mut relative = self.relative * step.weight * (1.0 / step.eta_scale);
         let q = roulette(relative);
@@ -173,7 +271,10 @@ impl<S: Spectrum> Walk<S> {
         };
         self.pdf = step.pdf;
         self.parallel = false;
-        self.cos = step.direction.dot(vertex.point.normal).abs();
+        self.facing = vertex.facing(trace, step.direction);
+        if K::MEDIA {
+            self.medium = vertex.medium_towards(step.direction);
+        }
         self.terms = vertex.terms;
         self.pdf_reverse = step.pdf_reverse;
         self.dirac = step.dirac;
@@ -215,13 +316,51 @@ pub fn emission_terms<S>(emission: &Emission<S>) -> Terms {
     }
 }
 
+/// What turns a density per solid angle, times 1/d², into one of x₀: the cosine, negative behind it, on a surface; σ_t, as the
+/// weights assume it, in a medium that emits.
+#[inline(always)]
+pub fn source_facing<T, K: Instance>(
+    trace: &Trace<'_, '_, T, K>,
+    emission: &Emission<K::S>,
+    direction: Vec3,
+) -> Real {
+    if K::MEDIA && emission.volume {
+        let medium = trace.scene.medium(emission.medium);
+        return medium.map_or(0.0, |m| density(m, trace.lead));
+    }
+    emission.normal.map_or(1.0, |n| n.dot(direction))
+}
+
 /// Sets `a` of x₁: strategy s = 1 has p_connect(x₀ | x₁) where the others have p_trace(x₀).
 #[inline(always)]
-pub fn connect_first<S: Spectrum, T: Tracer>(
-    trace: &Trace<'_, '_, T>,
-    emission: &Emission<S>,
+pub fn connect_first<T: Tracer, K: Instance>(
+    trace: &Trace<'_, '_, T, K>,
+    emission: &Emission<K::S>,
     x1: Vec3,
     terms: &mut Terms,
 ) {
     terms.a = emitter::connect_over_trace(trace.scene, emission, x1);
+}
+
+/// What to multiply to f/p̄ of two walks with ratios `x` and `y`, joined over a way of transmittance `tau`, on which the leading
+/// channel competes as if it had been walked:
+///
+/// ```text
+/// f·τ_k/(p_l(x)·p_l(y)) · p̂_l/mean p̂ = (f/p̄(x))·(f/p̄(y)) · τ_k·τ_l/mean(ratio_x·ratio_y·τ)      p̂_k = p_k(x)·p_k(y)·τ_k
+/// ```
+///
+/// p̂ is the same whichever edge of the path is the one that is joined, so one-sample MIS over channels and MIS over strategies (given the leading
+/// channel) don't interfere.
+#[inline(always)]
+pub fn joined<K: Instance>(lead: usize, x: K::S, y: K::S, tau: K::S) -> K::S {
+    if !K::MEDIA {
+        return tau;
+    }
+    let mean = (x * y * tau).mean();
+    let led = tau.channel(lead);
+    if led > 0.0 {
+        tau * (led / mean)
+    } else {
+        K::S::BLACK
+    }
 }

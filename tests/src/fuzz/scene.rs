@@ -62,7 +62,12 @@ fn description(s: &mut Source<'_>) -> Result<Description> {
     for i in 0..s.below(4)? {
         let name = format!("light {i}");
         let kind = light(s)?;
-        d.emitters.push(Emitter { name, kind });
+        d.emitters.push(Emitter {
+            name,
+            place: Place::default(),
+            kind,
+            medium: None,
+        });
     }
     Ok(d)
 }
@@ -125,6 +130,7 @@ fn sensor(s: &mut Source<'_>) -> Result<Sensor> {
         resolution,
         crop,
         filter,
+        medium: None,
     })
 }
 
@@ -257,6 +263,8 @@ fn shape(s: &mut Source<'_>, i: usize, d: &Description) -> Result<Shape> {
         } else {
             None
         },
+        interior: None,
+        exterior: None,
     })
 }
 

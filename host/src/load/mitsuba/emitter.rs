@@ -52,7 +52,12 @@ impl Loader<'_> {
         plugin.ignore(&["sampling_weight"])?;
         plugin.finish()?;
         let name = self.name(plugin.node);
-        self.out.emitters.push(Emitter { name, kind });
+        self.out.emitters.push(Emitter {
+            name,
+            place: plugin.node.place.clone(),
+            kind,
+            medium: None,
+        });
         Ok(())
     }
 

@@ -87,6 +87,8 @@ impl Loader<'_> {
             back: surface.back,
             emission,
             opacity: surface.opacity,
+            interior: None,
+            exterior: None,
         });
         Ok(())
     }

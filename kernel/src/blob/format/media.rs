@@ -56,8 +56,10 @@ pub struct Medium {
     pub majorants: u32,
     /// grid: boxes of the majorants by axis.
     pub cells: [u32; 3],
+    /// Its [`VOLUME`][super::emitter::VOLUME] emitter, or [`NONE`][super::NONE].
+    pub emitter: u32,
     /// Zero.
-    pub reserved: [u32; 3],
+    pub reserved: [u32; 2],
     /// Extinction σ_t per channel, in 1 over scene units, ≥ 0.
     pub sigma_t: [f32; 3],
     /// Albedo σ_s/σ_t per channel, in [0, 1].

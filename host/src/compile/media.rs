@@ -1,0 +1,425 @@
+//! Media: their records, grids with majorants, and the boxes from which those that emit are sampled as lights.
+
+use super::bvh::Bounds;
+use crate::description::{Description, Geometry, Grid, Grids, Medium, Phase, Tracking};
+use bytemuck::Zeroable;
+use etendue::blob::format::{self, Lobe, NONE, medium, needs};
+use glam::{DMat3, DVec3};
+
+/// Extinctions that aren't 0 are within this, and emission at most that, or the kernel refuses them.
+const LEAST: f32 = 1e-12;
+const MOST: f32 = 1e12;
+const MOST_EMISSION: f32 = 1e20;
+/// Texels by axis.
+const MOST_TEXELS: u32 = 4096;
+/// Texels by axis that a majorant speaks for, as long as there are not too many majorants.
+const TEXELS_PER_CELL: u32 = 4;
+/// Majorants by axis.
+const MOST_CELLS: u32 = 64;
+
+/// Records of media, and what they make the scene need.
+#[derive(Default)]
+pub(super) struct Media {
+    pub media: Vec<format::Medium>,
+    pub grids: Vec<format::Grid>,
+    pub needs: u32,
+    /// Media that emit and stand somewhere.
+    pub glowing: Vec<Glowing>,
+}
+
+/// A medium that emits.
+pub(super) struct Glowing {
+    pub medium: u32,
+    /// A corner of the box that holds it, and the box's edges.
+    pub corner: [f32; 3],
+    pub edges: [[f32; 3]; 3],
+    /// Mean of the channels' and places' emission within the box.
+    pub mean: f64,
+    pub volume: f64,
+    /// Radiance of light that has been through it all, about.
+    pub radiance: f64,
+}
+
+impl Media {
+    /// Compiles the media of `d`; words of grids go to `texels`.
+    ///
+    /// # Errors
+    /// Which medium, and what is wrong.
+    pub fn compile(d: &Description, texels: &mut Vec<u32>) -> Result<Self, (usize, String)> {
+        let mut out = Self::default();
+        for (id, m) in d.media.iter().enumerate() {
+            out.medium(d, id, m, texels).map_err(|e| (id, e))?;
+        }
+        Ok(out)
+    }
+
+    fn medium(
+        &mut self,
+        d: &Description,
+        id: usize,
+        m: &Medium,
+        texels: &mut Vec<u32>,
+    ) -> Result<(), String> {
+        check(m)?;
+        let mut record = format::Medium {
+            sigma_t: m.sigma_t,
+            albedo: m.albedo,
+            emission: m.emission,
+            mean: m.sigma_t,
+            phase: phase(m)?,
+            extinctions: NONE,
+            albedos: NONE,
+            emissions: NONE,
+            emitter: NONE,
+            ..format::Medium::zeroed()
+        };
+        let mut emitted = mean(m.emission);
+        if let Some(grids) = &m.grids {
+            emitted *= self.grids(grids, &mut record, texels)?;
+        }
+        let emits = m.emission.iter().any(|&e| e > 0.0);
+        let bounds = bounds(d, id);
+        if bounds.is_some() || is_used(d, id) {
+            self.needs |= needs::MEDIA;
+            if m.grids.is_some() {
+                self.needs |= needs::GRIDS;
+            }
+            if emits {
+                self.needs |= needs::GLOWING;
+            }
+        }
+        self.media.push(record);
+        if !emits {
+            return Ok(());
+        }
+        if d.exterior == Some(id) {
+            return Err("emits and fills the space outside all objects, expected a medium that objects enclose".into());
+        }
+        let Some(bounds) = bounds else { return Ok(()) };
+        self.glowing
+            .push(glowing(id, m, &record, &bounds, emitted)?);
+        Ok(())
+    }
+
+    /// The grids of a medium; returns the mean over the unit cube of what emission is multiplied by.
+    fn grids(
+        &mut self,
+        grids: &Grids,
+        record: &mut format::Medium,
+        texels: &mut Vec<u32>,
+    ) -> Result<f64, String> {
+        record.kind = medium::GRID;
+        record.flags = match grids.tracking {
+            Tracking::Woodcock => 0,
+            Tracking::Residual => medium::RESIDUAL,
+            Tracking::Regular => medium::REGULAR,
+        };
+        if grids.tracking == Tracking::Residual && grids.extinction.values.flat().1 != 1 {
+            return Err("residual tracking asks for extinction of one channel".into());
+        }
+        record.to_grid = grids.to_grid;
+        record.extinctions = self.grid(&grids.extinction, MOST, "extinction", texels)?;
+        if let Some(albedo) = &grids.albedo {
+            let limit = 1.0
+                / record
+                    .albedo
+                    .iter()
+                    .fold(f32::MIN_POSITIVE, |m, &a| m.max(a));
+            record.albedos = self.grid(albedo, limit.min(MOST), "albedo", texels)?;
+        }
+        let mut emission = 1.0;
+        if let Some(grid) = &grids.emission {
+            let brightest = record.emission.iter().fold(0.0f32, |m, &e| m.max(e));
+            let most = MOST.min(MOST_EMISSION / brightest);
+            record.emissions = self.grid(grid, most, "emission", texels)?;
+            emission = grid_mean(grid).iter().sum::<f64>() / 3.0;
+        }
+        // Weights may assume anything that isn't 0 where extinction isn't.
+        let mean = grid_mean(&grids.extinction);
+        for ((mean, of), sigma_t) in record.mean.iter_mut().zip(mean).zip(record.sigma_t) {
+            let least = (sigma_t * 1e-6).max(LEAST);
+            *mean = if sigma_t > 0.0 {
+                ((f64::from(sigma_t) * of) as f32).max(least)
+            } else {
+                0.0
+            };
+        }
+        let majorants = majorants(&grids.extinction, record.sigma_t);
+        record.cells = majorants.cells;
+        record.majorants = texels.len() as u32;
+        if majorants.values.iter().any(|m| *m > MOST) {
+            return Err(format!("sigma_t must be in [0, {MOST:e}] everywhere"));
+        }
+        texels.extend(majorants.values.iter().map(|m| m.to_bits()));
+        Ok(emission)
+    }
+
+    fn grid(
+        &mut self,
+        grid: &Grid,
+        limit: f32,
+        what: &str,
+        texels: &mut Vec<u32>,
+    ) -> Result<u32, String> {
+        let (values, channels) = grid.values.flat();
+        if grid.size.iter().any(|n| !(1..=MOST_TEXELS).contains(n)) {
+            return Err(format!(
+                "grids must have 1 to {MOST_TEXELS} texels by axis, found {:?} in that of {what}",
+                grid.size
+            ));
+        }
+        let count = grid.size.iter().map(|&n| n as usize).product::<usize>() * channels;
+        if values.len() != count {
+            let size = grid.size;
+            return Err(format!(
+                "a grid of {size:?} texels must have {count} numbers, found {} in that of {what}",
+                values.len()
+            ));
+        }
+        if let Some(v) = values.iter().find(|v| !(0.0..=limit).contains(*v)) {
+            let limit = if limit < MOST {
+                format!("in [0, {limit}]")
+            } else {
+                format!("in [0, {MOST:e}]")
+            };
+            return Err(format!("{what} must be {limit}, found {v} in its grid"));
+        }
+        let first = u32::try_from(texels.len() + count);
+        if first.is_err() {
+            return Err("more texels than the format can count (2³²)".into());
+        }
+        self.grids.push(format::Grid {
+            nearest: u32::from(grid.nearest),
+            channels: channels as u32,
+            size: grid.size,
+            texels: texels.len() as u32,
+            reserved: [0; 2],
+        });
+        texels.extend(values.iter().map(|v| v.to_bits()));
+        Ok(self.grids.len() as u32 - 1)
+    }
+}
+
+/// Ranges, in the words of scene files.
+fn check(m: &Medium) -> Result<(), String> {
+    let ranges = [
+        ("sigma_t", m.sigma_t, MOST),
+        ("albedo", m.albedo, 1.0),
+        ("emission", m.emission, MOST_EMISSION),
+    ];
+    for (name, values, most) in ranges {
+        if let Some(v) = values.iter().find(|v| !(0.0..=most).contains(*v)) {
+            return Err(format!("{name} must be in [0, {most:e}], found {v}"));
+        }
+    }
+    if let Some(v) = m.sigma_t.iter().find(|v| **v > 0.0 && **v < LEAST) {
+        return Err(format!(
+            "sigma_t must be 0 or at least {LEAST:e}, found {v:e}"
+        ));
+    }
+    for c in 0..3 {
+        let absorbs = m.sigma_t[c] > 0.0 && m.albedo[c] < 1.0;
+        if m.emission[c] > 0.0 && !absorbs && (m.grids.is_none() || m.sigma_t[c] == 0.0) {
+            return Err("emits where it doesn't absorb, expected sigma_t > 0 and albedo < 1 in each channel that emits".into());
+        }
+    }
+    Ok(())
+}
+
+fn phase(m: &Medium) -> Result<[Lobe; 4], String> {
+    if m.phase.is_empty() || m.phase.len() > 4 {
+        return Err(format!(
+            "a phase function has 1 to 4 parts, found {}",
+            m.phase.len()
+        ));
+    }
+    let total: f64 = m.phase.iter().map(|l| f64::from(l.weight)).sum();
+    let good = m
+        .phase
+        .iter()
+        .all(|l| l.weight >= 0.0 && l.weight.is_finite());
+    if !good || total <= 0.0 {
+        return Err("the weights of phase functions must be finite, >= 0, and not all 0".into());
+    }
+    let mut lobes = [Lobe::zeroed(); 4];
+    for (out, l) in lobes.iter_mut().zip(&m.phase) {
+        let (kind, g) = match l.phase {
+            Phase::Isotropic => (medium::ISOTROPIC, 0.0),
+            Phase::HenyeyGreenstein { g } if g > -1.0 && g < 1.0 => (medium::HENYEY_GREENSTEIN, g),
+            Phase::HenyeyGreenstein { g } => {
+                return Err(format!("g must be in (-1, 1), found {g}"));
+            }
+            Phase::Rayleigh => (medium::RAYLEIGH, 0.0),
+            Phase::Forward => (medium::FORWARD, 0.0),
+        };
+        *out = Lobe {
+            kind,
+            g,
+            weight: (f64::from(l.weight) / total) as f32,
+            reserved: 0,
+        };
+    }
+    Ok(lobes)
+}
+
+/// Whether anything stands in it.
+fn is_used(d: &Description, id: usize) -> bool {
+    let is = |m: Option<usize>| m == Some(id);
+    is(d.exterior) || is(d.sensor.medium) || d.emitters.iter().any(|e| is(e.medium))
+}
+
+/// A box around all objects that part it from others.
+fn bounds(d: &Description, id: usize) -> Option<Bounds> {
+    let mut bounds = Bounds::EMPTY;
+    for s in &d.shapes {
+        if s.interior != Some(id) && s.exterior != Some(id) {
+            continue;
+        }
+        match &s.geometry {
+            Geometry::Mesh(mesh) => {
+                for p in &mesh.positions {
+                    bounds = bounds.union(&Bounds { low: *p, high: *p });
+                }
+            }
+            Geometry::Sphere { center, radius, .. } => {
+                bounds = bounds.union(&Bounds::of_sphere(*center, *radius));
+            }
+        }
+    }
+    (bounds.low[0] <= bounds.high[0]).then_some(bounds)
+}
+
+/// The box in which a medium's emission is sampled: that of its objects or, if it is smaller, its grids' own.
+fn glowing(
+    id: usize,
+    m: &Medium,
+    record: &format::Medium,
+    bounds: &Bounds,
+    mean: f64,
+) -> Result<Glowing, String> {
+    let [low, high] = [bounds.low, bounds.high].map(|c| DVec3::from(c.map(f64::from)));
+    let mut corner = low;
+    let mut edges = DMat3::from_diagonal(high - low);
+    let mut emission = mean;
+    if m.grids.is_some() {
+        let [x, y, z] = record.to_grid.map(|row| row.map(f64::from));
+        let [rx, ry, rz] = [x, y, z].map(|r| DVec3::new(r[0], r[1], r[2]));
+        let inverse = DMat3::from_cols(rx, ry, rz).transpose().inverse();
+        let volume = inverse.determinant().abs();
+        if !volume.is_finite() || volume == 0.0 {
+            return Err("the transform of its grids can't be undone".into());
+        }
+        if volume < edges.determinant() {
+            corner = -(inverse * DVec3::new(x[3], y[3], z[3]));
+            edges = inverse;
+        } else {
+            emission *= volume / edges.determinant();
+        }
+    }
+    let volume = edges.determinant().abs();
+    if volume < 1e-37 {
+        return Err(format!(
+            "emits from a volume of at least 1e-37, found {volume:e}"
+        ));
+    }
+    let absorption: f64 = (0..3)
+        .map(|c| f64::from(record.mean[c]) * f64::from(1.0 - m.albedo[c]))
+        .sum::<f64>()
+        / 3.0;
+    let size = edges
+        .x_axis
+        .length()
+        .max(edges.y_axis.length())
+        .max(edges.z_axis.length());
+    let single = |v: DVec3| v.as_vec3().to_array();
+    Ok(Glowing {
+        medium: id as u32,
+        corner: single(corner),
+        edges: [edges.x_axis, edges.y_axis, edges.z_axis].map(single),
+        mean: emission,
+        volume,
+        radiance: mean * size.min(1.0 / absorption.max(f64::MIN_POSITIVE)),
+    })
+}
+
+fn mean(c: [f32; 3]) -> f64 {
+    c.iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0
+}
+
+/// Mean of a grid by channel.
+fn grid_mean(grid: &Grid) -> [f64; 3] {
+    let (values, channels) = grid.values.flat();
+    let mut sums = [0.0; 3];
+    for texel in values.chunks_exact(channels) {
+        for (c, sum) in sums.iter_mut().enumerate() {
+            *sum += f64::from(texel[c % channels]);
+        }
+    }
+    sums.map(|s| s * channels as f64 / values.len() as f64)
+}
+
+/// Bounds on extinction in boxes of several texels, so that empty space costs little.
+struct Majorants {
+    cells: [u32; 3],
+    values: Vec<f32>,
+}
+
+fn majorants(grid: &Grid, sigma_t: [f32; 3]) -> Majorants {
+    let cells = grid
+        .size
+        .map(|n| n.div_ceil(TEXELS_PER_CELL).min(MOST_CELLS));
+    let reach: [Vec<std::ops::RangeInclusive<usize>>; 3] = std::array::from_fn(|axis| {
+        (0..cells[axis])
+            .map(|i| texels_of(grid, axis, i, cells[axis]))
+            .collect()
+    });
+    let (values, channels) = grid.values.flat();
+    let [w, h, _] = grid.size.map(|n| n as usize);
+    let mut out = Vec::with_capacity(cells.iter().map(|&n| n as usize).product());
+    for z in &reach[2] {
+        for y in &reach[1] {
+            for x in &reach[0] {
+                let mut most = [0.0f32; 3];
+                for row in z
+                    .clone()
+                    .flat_map(|z| y.clone().map(move |y| (z * h + y) * w))
+                {
+                    let run = &values[(row + x.start()) * channels..(row + x.end() + 1) * channels];
+                    for (i, &v) in run.iter().enumerate() {
+                        let c = i % channels;
+                        most[c] = most[c].max(v);
+                    }
+                }
+                let by_channel = (0..3).map(|c| most[c % channels] * sigma_t[c]);
+                let bound = by_channel.fold(0.0, f32::max);
+                // A little above: interpolation rounds.
+                out.push(if bound > 0.0 {
+                    (bound * (1.0 + 1e-5)).max(LEAST)
+                } else {
+                    0.0
+                });
+            }
+        }
+    }
+    Majorants { cells, values: out }
+}
+
+/// The texels that have a say in box `i` of `cells` along `axis`, with some room for rounding at its ends.
+fn texels_of(grid: &Grid, axis: usize, i: u32, cells: u32) -> std::ops::RangeInclusive<usize> {
+    let n = f64::from(grid.size[axis]);
+    let room = 1e-3;
+    let end = |i: u32| f64::from(i) / f64::from(cells) * n;
+    let (first, last) = if grid.nearest {
+        ((end(i) - room).floor(), (end(i + 1) + room).floor())
+    } else {
+        (
+            (end(i) - 0.5 - room).floor(),
+            (end(i + 1) - 0.5 + room).floor() + 1.0,
+        )
+    };
+    let clamp = |x: f64| x.clamp(0.0, n - 1.0) as usize;
+    clamp(first)..=clamp(last)
+}
+
+#[cfg(test)]
+mod tests;
