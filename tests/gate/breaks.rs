@@ -1,8 +1,8 @@
 //! One change each.
 
 use crate::draft::{
-    BALL, BLEND, BLENDS, Draft, FLOATS, FOG, GLASS, GROUND, IMAGES, LAMP, METAL, PHONG, PLASTIC,
-    SMOOTH, WORDS,
+    BALL, BLEND, BLENDS, Draft, FLOATS, FOG, GLASS, GLOW, GROUND, IMAGES, LAMP, METAL, PHONG,
+    PLASTIC, SMOOTH, WORDS,
 };
 use crate::media::{grids, media};
 use etendue::blob::Rule;
@@ -410,7 +410,6 @@ const POINT: usize = 2;
 const SPOT: usize = 3;
 const SUN: usize = 4;
 const SKY: usize = 5;
-pub const GLOW: usize = 6;
 
 fn emitters() -> Vec<Break> {
     let e = |rule, index, change: fn(&mut Emitter)| record(rule, section::EMITTERS, index, change);

@@ -64,6 +64,8 @@ pub const LAMP: usize = 8;
 /// Its media: a grid of three grids, and fog.
 pub const CLOUD: usize = 0;
 pub const FOG: usize = 1;
+/// The light that the cloud is.
+pub const GLOW: usize = 6;
 /// The words that these media add to the texels: the extinction's, the albedo's, the emission's, the majorants.
 pub const WORDS: [usize; 4] = [8, 6, 4, 2];
 
@@ -75,7 +77,7 @@ fn matter() -> Matter {
     let cloud = matter.gridded(extinctions, [0.5; 3], [1.0; 3], [2, 1, 1]);
     let cloud = &mut matter.media[cloud];
     (cloud.albedos, cloud.emissions, cloud.emission) = (albedos, emissions, [1.0; 3]);
-    cloud.flags = medium::REGULAR;
+    (cloud.flags, cloud.emitter) = (medium::REGULAR, GLOW as u32);
     let mut fog = homogeneous([0.5, 1.0, 0.0], [0.5; 3]);
     fog.emission = [1.0, 0.0, 0.0];
     fog.phase = lobes(&[

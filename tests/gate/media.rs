@@ -1,7 +1,7 @@
 //! What media, their phase functions and their grids must not be.
 
-use crate::breaks::{Break, GLOW, broken, grid_rows, record};
-use crate::draft::{CLOUD, Draft, FOG, IMAGES, WORDS};
+use crate::breaks::{Break, broken, grid_rows, record};
+use crate::draft::{CLOUD, Draft, FOG, GLOW, IMAGES, WORDS};
 use etendue::blob::Rule;
 use etendue::blob::format::{Grid, Lobe, Medium, NONE, Texture, medium, section};
 use etendue_tests::media::replaced;
@@ -46,17 +46,18 @@ pub fn media() -> Vec<Break> {
         fog(Rule::MediumAbsorption, |m| m.emission[2] = 1.0),
         fog(Rule::MediumAbsorption, |m| m.albedo[0] = 1.0),
         cloud(Rule::MediumAbsorption, |m| m.albedos = NONE),
+        fog(Rule::MediumEmitter, |m| m.emitter = 99),
+        // A lamp, and the cloud's.
+        fog(Rule::MediumEmitter, |m| m.emitter = 0),
+        fog(Rule::MediumEmitter, |m| m.emitter = GLOW as u32),
         lobe(Rule::LobeKind, |l| l.kind = 4),
         lobe(Rule::LobeG, |l| l.g = 1.0),
         lobe(Rule::LobeG, |l| l.g = -1.0),
+        lobe(Rule::LobeG, |l| l.g = f32::NAN),
         lobe(Rule::LobeWeight, |l| l.weight = 1.1),
         lobe(Rule::LobeWeight, |l| l.weight = -0.1),
         lobe(Rule::LobeReserved, |l| l.reserved = 1),
         lobe(Rule::LobeSum, |l| l.weight = 0.2502),
-        fog(Rule::MediumEmitter, |m| m.emitter = 99),
-        // The lamp's, and the glow's of the other medium.
-        fog(Rule::MediumEmitterOwn, |m| m.emitter = 0),
-        fog(Rule::MediumEmitterOwn, |m| m.emitter = GLOW as u32),
         fog(Rule::MediumReserved, |m| m.reserved[1] = 1),
         fog(Rule::MediumReserved, |m| m.reserved2[3] = 1),
         cloud(Rule::MediumExtinctions, |m| m.extinctions = NONE),

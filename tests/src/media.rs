@@ -26,6 +26,7 @@ pub fn homogeneous(sigma_t: [f32; 3], albedo: [f32; 3]) -> Medium {
         emissions: NONE,
         emitter: NONE,
         cells: [0; 3],
+        emitter: NONE,
         sigma_t,
         albedo,
         mean: sigma_t,
