@@ -327,6 +327,7 @@ pub fn cells(glossy: bool, f: impl Fn(Vec3) -> [f64; 3]) -> Vec<[f64; 3]> {
                 column,
                 low: [0.0; 2],
                 side: 1.0,
+                graded: glossy,
             };
             if !glossy {
                 return part.rule(&f);
@@ -348,6 +349,8 @@ struct Part {
     column: usize,
     low: [f64; 2],
     side: f64,
+    /// Whether its steps are smaller towards the horizon.
+    graded: bool,
 }
 
 impl Part {
@@ -366,9 +369,18 @@ impl Part {
         for (i, j) in (0..FINE).flat_map(|i| (0..FINE).map(move |j| (i, j))) {
             let at =
                 |axis: usize, i: usize| self.low[axis] + self.side * (i as f64 + 0.5) / FINE as f64;
-            let cos = 2.0 * (self.row as f64 + at(0, i)) / ROWS as f64 - 1.0;
+            // Light that grazes is refracted into slivers at the horizon, where steps are smaller.
+            let t = at(0, i);
+            let (row, weight) = match self.row {
+                row if self.graded && row == ROWS / 2 => (t * t, 2.0 * t),
+                row if self.graded && row + 1 == ROWS / 2 => {
+                    (1.0 - (1.0 - t) * (1.0 - t), 2.0 - 2.0 * t)
+                }
+                _ => (t, 1.0),
+            };
+            let cos = 2.0 * (self.row as f64 + row) / ROWS as f64 - 1.0;
             let phi = std::f64::consts::TAU * (self.column as f64 + at(1, j)) / COLUMNS as f64;
-            sum = add(sum, f(direction(cos, phi)));
+            sum = add(sum, f(direction(cos, phi)).map(|f| weight * f));
         }
         let cells = (ROWS * COLUMNS * FINE * FINE) as f64;
         sum.map(|s| s * 2.0 * std::f64::consts::TAU * self.side * self.side / cells)
