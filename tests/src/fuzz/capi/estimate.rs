@@ -106,8 +106,7 @@ impl Program<'_> {
         let scratch = self.scratch()?;
         let settings = settings(&mut self.s)?;
         let mut recorder = Recorder::new(&mut self.s, scene.size)?;
-        let splats =
-            pixels && [ETD_LIGHT, ETD_BIDIRECTIONAL].contains(&settings.get().estimator);
+        let splats = pixels && [ETD_LIGHT, ETD_BIDIRECTIONAL].contains(&settings.get().estimator);
         let hooks = hooks(&mut self.s, &mut recorder, splats)?;
         Ok(Common {
             scene,
