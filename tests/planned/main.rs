@@ -25,9 +25,12 @@ const Z: f64 = 5.9;
 const BATCHES: u64 = 64;
 
 /// As in the suite `agreement`, whose scenes these are.
+#[allow(dead_code)]
 #[derive(Clone, Copy, PartialEq)]
 pub enum Complete {
+    /// Path and bidirectional.
     FromSensor,
+    /// Light tracing as well.
     FromLight,
 }
 
