@@ -77,6 +77,12 @@ impl<S: Spectrum> Local<S> for Plastic<S> {
     }
 
     #[inline(always)]
+    fn dirac_lobe(&self, w: Vec3, _: Mode, index: u32) -> Option<Scatter<S>> {
+        let weight = self.reflectance * self.coat(upper(w)).reflected;
+        (index == 0).then(|| Scatter::dirac(reflect(w), weight, 1.0))
+    }
+
+    #[inline(always)]
     fn has_smooth(&self) -> bool {
         !self.base.is_black()
     }
