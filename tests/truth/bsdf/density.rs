@@ -23,7 +23,10 @@ fn cell(w: Vec3) -> usize {
 fn shares(specimen: &Specimen, w: Vec3, mode: Mode) -> Vec<f64> {
     let surface = &specimen.surface;
     let pdf = |wi| [surface.pdf(w, wi, mode) as f64, 0.0, 0.0];
-    let mut shares: Vec<f64> = cells(specimen.glossy, pdf).iter().map(|c| c[0]).collect();
+    let mut shares: Vec<f64> = cells(specimen.glossy, w, pdf)
+        .iter()
+        .map(|c| c[0])
+        .collect();
     if specimen.glossy {
         // The quadrature may miss a sliver of a lobe's end in a cell; how much may be in it χ² still judges.
         shares.iter_mut().for_each(|s| *s = s.max(1e-9));

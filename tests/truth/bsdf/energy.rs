@@ -13,7 +13,7 @@ pub fn albedo(specimen: &Specimen, wi: Vec3) -> [f64; 3] {
     let surface = &specimen.surface;
     let mut sum = [0.0; 3];
     let f = |wo: Vec3| channels(surface.eval(wo, wi)).map(|f| f * wo.z.abs() as f64);
-    for cell in cells(specimen.glossy, f) {
+    for cell in cells(specimen.glossy, wi, f) {
         for (sum, f) in sum.iter_mut().zip(cell) {
             *sum += f;
         }

@@ -318,11 +318,15 @@ pub const ROWS: usize = 16;
 pub const COLUMNS: usize = 12;
 
 /// ∫ f dσ over each cell by the midpoint rule; where there may be lobes, by halves wherever that changes it.
-pub fn cells(glossy: bool, f: impl Fn(Vec3) -> [f64; 3]) -> Vec<[f64; 3]> {
+/// `w` is the direction whose mirror image lobes are about: at its azimuth, parts are halved whether that changes them or not.
+pub fn cells(glossy: bool, w: Vec3, f: impl Fn(Vec3) -> [f64; 3]) -> Vec<[f64; 3]> {
+    let turn = (-w.y as f64).atan2(-w.x as f64) / std::f64::consts::TAU;
+    let ideal = (turn - turn.floor()) * COLUMNS as f64;
     (0..ROWS * COLUMNS)
         .map(|cell| {
             let (row, column) = (cell / COLUMNS, cell % COLUMNS);
             let part = Part {
+                ideal: ideal - column as f64,
                 row,
                 column,
                 low: [0.0; 2],
@@ -349,6 +353,8 @@ struct Part {
     column: usize,
     low: [f64; 2],
     side: f64,
+    /// The column of the mirror image.
+    ideal: f64,
     /// Whether its steps are smaller towards the horizon.
     graded: bool,
 }
@@ -389,7 +395,9 @@ impl Part {
     fn adapted(self, f: &impl Fn(Vec3) -> [f64; 3], whole: [f64; 3], depth: u32) -> [f64; 3] {
         let quarters = self.quarters().map(|q| (q, q.rule(f)));
         let sum = quarters.iter().fold([0.0; 3], |sum, q| add(sum, q.1));
-        let stays = (0..3).all(|i| (sum[i] - whole[i]).abs() < 1e-7);
+        let [_, first] = self.low;
+        let forced = depth > 2 && (first..=first + self.side).contains(&self.ideal);
+        let stays = !forced && (0..3).all(|i| (sum[i] - whole[i]).abs() < 1e-7);
         if stays || depth == 0 {
             return sum;
         }
