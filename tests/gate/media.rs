@@ -81,7 +81,10 @@ pub fn media() -> Vec<Break> {
         texel(Rule::MediumMajorant, 3, 0, 1.1e12),
         texel(Rule::MediumMajorant, 0, 7, 2.1),
         broken(Rule::MediumBudget, section::MEDIA, most, |d| {
-            let cloud = *d.record::<Medium>(section::MEDIA, CLOUD);
+            let cloud = Medium {
+                emitter: NONE,
+                ..*d.record::<Medium>(section::MEDIA, CLOUD)
+            };
             d.0 = replaced(&d.0, section::MEDIA, &[cloud; 1000]);
         }),
     ]

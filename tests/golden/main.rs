@@ -256,7 +256,7 @@ fn refusals_have_reasons() {
     assert_eq!(refuse(&|b| b.truncate(100)), Problem::Truncated);
     assert_eq!(refuse(&Vec::clear), Problem::Truncated);
     assert_eq!(refuse(&|b| b[0] = 0), Problem::Magic);
-    assert_eq!(refuse(&|b| b[8] = 2), Problem::Version);
+    assert_eq!(refuse(&|b| b[8] = 1), Problem::Version);
     assert_eq!(refuse(&|b| b[12] = 14), Problem::Section);
     assert_eq!(refuse(&|b| b[27] = 0x80), Problem::Needs);
     assert_eq!(refuse(&|b| b[28] = 120), Problem::Range);
