@@ -48,6 +48,9 @@
 // Parallel rays.
 #define ETD_ORTHOGRAPHIC 1
 
+// All directions around a point, lat-long: `direction` in the middle, `up` at the top.
+#define ETD_PANORAMA 2
+
 // Constant within the radius.
 #define ETD_FILTER_BOX 0
 
@@ -75,8 +78,45 @@
 // A thin sheet: `color[0]` mirror-like, `color[1]` straight through, `color[2]` diffusely reflected, `color[3]` diffusely transmitted.
 #define ETD_SHEET 5
 
+// Phong lobes of `exponent`: `color[0]` diffusely reflected, `color[1]` about the mirror direction, `color[2]` about the refracted
+// direction (`ior`; 1 is a thin sheet), `color[3]` diffusely transmitted.
+#define ETD_PHONG 6
+
+// A rough conductor: as `ETD_CONDUCTOR`, with microfacets of roughness `alpha`.
+#define ETD_ROUGH_CONDUCTOR 7
+
+// A rough dielectric: as `ETD_DIELECTRIC`, with microfacets of roughness `alpha`; `ior` at least 1 % from 1.
+#define ETD_ROUGH_DIELECTRIC 8
+
+// Diffuse `color[0]` under a smooth coat of index `ior`; `color[1]` scales the coat's reflection.
+#define ETD_PLASTIC 9
+
+// The same under a coat with microfacets of roughness `alpha`.
+#define ETD_ROUGH_PLASTIC 10
+
+// At each point one of the two materials `parts`: the second with probability `color[0]`, its first channel.
+#define ETD_BLEND 11
+
 // Flag of `ETD_DIELECTRIC`: Schlick's approximation in place of Fresnel's equations.
 #define ETD_SCHLICK 1
+
+// Flag of `ETD_PHONG`: the lobes have Fresnel's shares of the light, by `ior`.
+#define ETD_FRESNEL 2
+
+// Flag of the rough kinds: Beckmann's distribution of facets rather than GGX.
+#define ETD_BECKMANN 4
+
+// Flag of the rough kinds: masking of each direction for itself rather than correlated by height.
+#define ETD_SEPARABLE 8
+
+// Flag of `ETD_ROUGH_CONDUCTOR` and `ETD_ROUGH_PLASTIC`: masking by V-shaped cavities.
+#define ETD_CAVITIES 16
+
+// Flag of the rough kinds: the light that scattering by single facets loses is given back.
+#define ETD_COMPENSATED 32
+
+// Flag of the plastics: light that the coat sends back takes the base's colour each time.
+#define ETD_NONLINEAR 64
 
 // Squares of the colours `color[0]` (where ⌊u⌋ + ⌊v⌋ is even) and `color[1]`.
 #define ETD_CHECKERBOARD 0
@@ -209,7 +249,7 @@ typedef struct EtdBuilt {
 typedef struct EtdCamera {
     // sizeof(EtdCamera).
     uint32_t struct_size;
-    // `ETD_PERSPECTIVE` or `ETD_ORTHOGRAPHIC`.
+    // `ETD_PERSPECTIVE`, `ETD_ORTHOGRAPHIC` or `ETD_PANORAMA`.
     uint32_t projection;
     // Where it is, world units.
     float origin[3];
@@ -218,13 +258,13 @@ typedef struct EtdCamera {
     // What is up in the image; any length but 0, not along `direction`.
     float up[3];
     // `ETD_PERSPECTIVE`: the angle that the image's width spans, radians, in (0, π). `ETD_ORTHOGRAPHIC`: the image's width, world units.
-    // Pixels are square.
+    // Pixels are square. `ETD_PANORAMA`: not read; the image spans everything.
     float field;
     // Radius of the lens, world units; 0: a pinhole.
     float aperture;
     // Distance to the plane in focus, along the axis, world units.
     float focus;
-    // Nearest and farthest depth that is seen, along the axis, world units.
+    // Nearest and farthest depth that is seen, along the axis (`ETD_PANORAMA`: distance), world units.
     float clip[2];
     // Offset of the principal point, in widths and heights of the image.
     float principal[2];
@@ -246,9 +286,9 @@ typedef struct EtdCamera {
 typedef struct EtdMaterial {
     // sizeof(EtdMaterial).
     uint32_t struct_size;
-    // `ETD_DIFFUSE` to `ETD_SHEET`.
+    // `ETD_DIFFUSE` to `ETD_BLEND`.
     uint32_t kind;
-    // `ETD_SCHLICK` or 0.
+    // `ETD_SCHLICK` to `ETD_NONLINEAR`, added up.
     uint32_t flags;
     // Index of refraction inside (behind the front) over that outside, 0.001 to 1000.
     float ior;
@@ -260,6 +300,12 @@ typedef struct EtdMaterial {
     float eta[3];
     // Imaginary part, per channel, ≥ 0.
     float k[3];
+    // Roughness of microfacets, 0.0001 to 10.
+    float alpha;
+    // Phong's exponent, 0 to 100000. The lobes are normalised such that along the normal a colour is an albedo.
+    float exponent;
+    // A blend's two materials.
+    uint32_t parts[2];
 } EtdMaterial;
 
 // A colour over texture coordinates. `etd_texture_default` fills it in.
@@ -533,7 +579,7 @@ EtdStatus etd_camera_default(struct EtdCamera *camera);
 EtdStatus etd_builder_set_camera(struct EtdBuilder *builder,
                                  const struct EtdCamera *camera);
 
-// White and diffuse, without textures; an index of refraction of 1.5; eta 1, k 0.
+// White and diffuse, without textures; an index of refraction of 1.5; eta 1, k 0; a roughness of 0.1, an exponent of 30, no parts.
 EtdStatus etd_material_default(struct EtdMaterial *material);
 
 // A checkerboard of black and white squares, one to a unit of texture coordinates.
@@ -650,7 +696,7 @@ EtdStatus etd_host_render(const EtdScene *scene,
 #endif
 ETD_ASSERT(sizeof(void *) != 8 ||
            (sizeof(EtdHost) == 40 && sizeof(EtdBlob) == 40 && sizeof(EtdBuilt) == 24 && sizeof(EtdCamera) == 108 &&
-            sizeof(EtdMaterial) == 104 && sizeof(EtdTexture) == 88 && sizeof(EtdMesh) == 72 && sizeof(EtdSphere) == 48 &&
+            sizeof(EtdMaterial) == 120 && sizeof(EtdTexture) == 88 && sizeof(EtdMesh) == 72 && sizeof(EtdSphere) == 48 &&
             sizeof(EtdLight) == 120 && sizeof(EtdMedium) == 264 && sizeof(EtdAdvice) == 12 && sizeof(EtdRender) == 48 && sizeof(EtdRendered) == 72));
 #undef ETD_ASSERT
 #endif

@@ -62,7 +62,7 @@ pub struct Sensor {
     pub down: [f32; 3],
     /// The optical axis, into the scene, unit.
     pub forward: [f32; 3],
-    /// Nearest and farthest depth along the axis.
+    /// Nearest and farthest depth along the axis (panorama: distance).
     pub clip: [f32; 2],
     /// Offset of the principal point in units of image width and height: a point (x, y) of the film
     /// looks where (x, y) + `principal` would without it.
@@ -94,6 +94,8 @@ pub enum Projection {
         /// Half-extents in x and y.
         half_extent: [f32; 2],
     },
+    /// All directions around the origin, lat-long: forward in the middle.
+    Panorama,
 }
 
 /// A pixel filter; radii in pixels.
@@ -259,6 +261,155 @@ pub enum Model {
         /// Diffuse transmission.
         diffuse_transmittance: ColorSource,
     },
+    /// Phong lobes over a diffuse base.
+    Phong {
+        /// Diffuse reflection.
+        diffuse_reflectance: ColorSource,
+        /// The lobe about the mirror direction.
+        reflectance: ColorSource,
+        /// The lobe about the refracted direction.
+        transmittance: ColorSource,
+        /// Diffuse transmission.
+        diffuse_transmittance: ColorSource,
+        /// n, from 0 to 10⁵.
+        exponent: f32,
+        /// The modified model's normalisation (n + 2)/2π, by which k is an albedo; else (n + 1)/2π.
+        modified: bool,
+        /// Index inside over index outside, for refraction; 1 is a thin sheet.
+        ior: f32,
+        /// Whether the lobes have Fresnel's shares.
+        fresnel: bool,
+    },
+    /// Conducting microfacets.
+    RoughConductor {
+        /// Real part of the index relative to outside; 0 with k = 1 reflects everything.
+        eta: Color,
+        /// Imaginary part.
+        k: Color,
+        /// Scale.
+        reflectance: ColorSource,
+        /// The facets.
+        facets: Facets,
+    },
+    /// Dielectric microfacets between two media.
+    RoughDielectric {
+        /// Index inside over index outside; not 1.
+        ior: f32,
+        /// Scale of reflection.
+        reflectance: ColorSource,
+        /// Scale of transmission.
+        transmittance: ColorSource,
+        /// The facets.
+        facets: Facets,
+    },
+    /// A diffuse base under a dielectric coat.
+    Plastic {
+        /// Index of the coat over index outside.
+        ior: f32,
+        /// k_d of the base.
+        diffuse_reflectance: ColorSource,
+        /// Scale of the coat's reflection.
+        reflectance: ColorSource,
+        /// Whether light that the coat sends back takes the base's colour each time.
+        nonlinear: bool,
+        /// The coat's facets; `None` is smooth.
+        facets: Option<Facets>,
+    },
+    /// At each point one of two materials, at random.
+    Blend {
+        /// Indices of both.
+        parts: [usize; 2],
+        /// Probability of the second: the first channel.
+        weight: ColorSource,
+    },
+}
+
+impl Model {
+    /// Its colours; a blend's parts have their own.
+    pub fn colors(&self) -> Vec<ColorSource> {
+        match *self {
+            Model::Diffuse {
+                reflectance,
+                transmittance,
+            }
+            | Model::Dielectric {
+                reflectance,
+                transmittance,
+                ..
+            }
+            | Model::RoughDielectric {
+                reflectance,
+                transmittance,
+                ..
+            } => vec![reflectance, transmittance],
+            Model::Mirror { reflectance }
+            | Model::Conductor { reflectance, .. }
+            | Model::RoughConductor { reflectance, .. } => vec![reflectance],
+            Model::Null => vec![],
+            Model::Sheet {
+                specular_reflectance,
+                specular_transmittance,
+                diffuse_reflectance,
+                diffuse_transmittance,
+            } => vec![
+                specular_reflectance,
+                specular_transmittance,
+                diffuse_reflectance,
+                diffuse_transmittance,
+            ],
+            Model::Phong {
+                diffuse_reflectance,
+                reflectance,
+                transmittance,
+                diffuse_transmittance,
+                ..
+            } => vec![
+                diffuse_reflectance,
+                reflectance,
+                transmittance,
+                diffuse_transmittance,
+            ],
+            Model::Plastic {
+                diffuse_reflectance,
+                reflectance,
+                ..
+            } => vec![diffuse_reflectance, reflectance],
+            Model::Blend { weight, .. } => vec![weight],
+        }
+    }
+}
+
+/// A rough surface's facets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facets {
+    /// Roughness α along the two tangents that the kernel lays at a normal, from 10⁻⁴ to 10.
+    pub alpha: [f32; 2],
+    /// How their normals are distributed.
+    pub distribution: Distribution,
+    /// How they hide each other.
+    pub masking: Masking,
+    /// Whether the light that single scattering loses is given back.
+    pub compensated: bool,
+}
+
+/// How facets' normals are distributed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distribution {
+    /// Trowbridge and Reitz's, with long tails.
+    Ggx,
+    /// Beckmann's: normal slopes.
+    Beckmann,
+}
+
+/// How facets hide each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Masking {
+    /// Smith's, correlated by height.
+    Correlated,
+    /// Smith's, each direction for itself.
+    Separable,
+    /// V-shaped cavities; not for dielectrics.
+    Cavities,
 }
 
 /// A colour over (u, v).

@@ -89,10 +89,10 @@ fn resize(d: &mut Description, size: Size) -> Result<(), String> {
             resolution[0], resolution[1]
         ));
     }
-    // Pixels stay square: the field of view in x is kept, that in y follows.
+    // Pixels stay square: the field of view in x is kept, that in y follows. A panorama sees everything in any case.
     let aspect = |r: [u32; 2]| r[1] as f32 / r[0] as f32;
     let factor = aspect(resolution) / aspect([w, h]);
-    use crate::description::Projection::{Orthographic, Perspective};
+    use crate::description::Projection::{Orthographic, Panorama, Perspective};
     match &mut d.sensor.projection {
         Perspective {
             half_tangent: extent,
@@ -101,6 +101,7 @@ fn resize(d: &mut Description, size: Size) -> Result<(), String> {
         | Orthographic {
             half_extent: extent,
         } => extent[1] *= factor,
+        Panorama => (),
     }
     d.sensor.resolution = resolution;
     Ok(())

@@ -47,7 +47,7 @@
 // The caller's `cancelled` said so.
 #define ETD_E_CANCELLED 6
 
-// This build of the library doesn't have it.
+// This build of the library, or this estimator, doesn't have it.
 #define ETD_E_UNSUPPORTED 7
 
 // A handle was not made by this library, or its memory has been overwritten.
@@ -134,6 +134,16 @@
 // Both walks and all connections between them. Reports splats.
 #define ETD_BIDIRECTIONAL 2
 
+// Ray trees to a stated depth (`branching`); longer paths are left out.
+#define ETD_DISTRIBUTED 3
+
+// Direct light and single scattering by quadrature (`quadrature`, `steps`); all other light is left out. Scenes with
+// environments, constant backgrounds or glowing media: `ETD_E_UNSUPPORTED`.
+#define ETD_QUADRATURE 4
+
+// The same, and what it leaves out by path tracing.
+#define ETD_QUADRATURE_AND_PATH 5
+
 // Weights in proportion to densities.
 #define ETD_BALANCE 0
 
@@ -207,7 +217,7 @@ typedef struct EtdSceneInfo {
 typedef struct EtdSettings {
     // sizeof(EtdSettings).
     uint32_t struct_size;
-    // `ETD_PATH`, `ETD_LIGHT` or `ETD_BIDIRECTIONAL`.
+    // `ETD_PATH`, `ETD_LIGHT`, `ETD_BIDIRECTIONAL`, `ETD_DISTRIBUTED`, `ETD_QUADRATURE` or `ETD_QUADRATURE_AND_PATH`.
     uint32_t estimator;
     // `ETD_BALANCE`, `ETD_POWER`, `ETD_CUTOFF` or `ETD_MAXIMUM`.
     uint32_t heuristic;
@@ -215,6 +225,17 @@ typedef struct EtdSettings {
     int32_t max_edges;
     // Selects the random numbers.
     uint64_t seed;
+    // `ETD_DISTRIBUTED`: rays that go on from a vertex, by level, up to the first 0; paths have at most an edge more than there are
+    // levels. The scratch's capacity bounds the levels as well.
+    uint8_t branching[8];
+    // `ETD_DISTRIBUTED`: samples of lights at each vertex, 1 to 255.
+    uint32_t light_samples;
+    // Quadrature: nodes of the Gauss–Legendre rule in each direction across an emitting triangle or sphere, 1 to 8.
+    uint32_t quadrature;
+    // Quadrature: steps of the trapezoid rule along a way through a medium, 1 to 65535.
+    uint32_t steps;
+    // Quadrature: not 0: equal steps shifted at random in place of these rules, without bias.
+    uint32_t shift;
 } EtdSettings;
 
 // What happened since the scratch was made or its counters were last cleared.
@@ -294,7 +315,7 @@ typedef struct EtdHooks {
                         const struct EtdRay *ray);
     // The caller's own random numbers in [0, 1), uniform. `subpath` 0 is the walk from the sensor, 1 from a light; `vertex`
     // counts along it; `purpose` says what for (0 filter, 1 lens, 2 choice of light, 3 point on it, 4 its direction,
-    // 5 lobe, 6 direction, 7 opacity, 8 roulette). A value outside [0, 1) is taken to the nearer end.
+    // 5 lobe, 6 direction, 7 opacity, 8 roulette, 9 part of a blend). A value outside [0, 1) is taken to the nearer end.
     float (*random)(void *user,
                     uint32_t subpath,
                     uint32_t vertex,
@@ -493,7 +514,7 @@ EtdStatus etd_film_resolve(const struct EtdScene *handle,
 #else
 #define ETD_ASSERT(holds) typedef char EtdAssert[(holds) ? 1 : -1]
 #endif
-ETD_ASSERT(sizeof(EtdSettings) == 24 && sizeof(EtdTile) == 32 && sizeof(EtdSamples) == 24 && sizeof(EtdCounters) == 56 &&
+ETD_ASSERT(sizeof(EtdSettings) == 48 && sizeof(EtdTile) == 32 && sizeof(EtdSamples) == 24 && sizeof(EtdCounters) == 56 &&
            sizeof(EtdRay) == 40 && sizeof(EtdHit) == 20 && sizeof(EtdSum) == 48 && sizeof(EtdBlobError) == 16 &&
            sizeof(EtdSceneInfo) == 64 && sizeof(EtdHooks) == 8 + 6 * sizeof(void *) &&
            ETD_SCENE_SIZE % ETD_SCENE_ALIGN == 0);

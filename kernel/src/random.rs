@@ -38,12 +38,12 @@ pub enum Purpose {
     Lead,
     /// How far a walk flies through a medium; tentative collisions.
     Flight,
-    /// Which part of a blend.
-    Blend,
     /// Whether a fractional mask is there.
     Opacity,
     /// Whether the walk goes on.
     Roulette,
+    /// Which part of a blend.
+    Blend,
 }
 
 /// A source of numbers in [0, 1), never 1.

@@ -9,7 +9,9 @@ mod scenes;
 mod weights;
 
 use etendue::{Estimator, Heuristic, Scene, Settings};
+use etendue_host::blob::AlignedBlob;
 use etendue_host::description::Description;
+use etendue_host::scene::{Size, prepare};
 use etendue_tests::render::{Estimate, blob, double, single};
 use rayon::prelude::*;
 
@@ -33,7 +35,16 @@ fn estimates(
     max_edges: Option<u32>,
     passes: u64,
 ) -> Vec<Estimate> {
-    let bytes = blob(d);
+    of_blob(&blob(d), estimator, heuristic, max_edges, passes)
+}
+
+fn of_blob(
+    bytes: &AlignedBlob,
+    estimator: Estimator,
+    heuristic: Heuristic,
+    max_edges: Option<u32>,
+    passes: u64,
+) -> Vec<Estimate> {
     let scene = Scene::open(bytes.bytes()).unwrap();
     let settings = Settings {
         estimator,
@@ -95,6 +106,52 @@ fn objects() {
     scenes::objects()
         .iter()
         .for_each(|(name, d, complete)| agree(name, d, *complete, None));
+}
+
+#[test]
+fn glossy() {
+    scenes::glossy()
+        .iter()
+        .for_each(|(name, d, complete)| agree(name, d, *complete, None));
+}
+
+/// A blend shows the mixture of what its parts show alone, at first sight and by one light.
+#[test]
+fn blends_are_mixtures() {
+    let with = |weight: f32| {
+        let mut b = etendue_tests::scenes::Builder::new().camera(
+            [0.0, -3.0, 1.6],
+            [0.0, 0.0, 0.3],
+            [0.0, 0.0, 1.0],
+            40.0,
+            [16, 16],
+        );
+        let parts = [b.diffuse([0.8, 0.2, 0.2]), b.diffuse([0.1, 0.3, 0.9])];
+        let weight = etendue_host::description::ColorSource::Constant([weight; 3]);
+        let blend = b.material(etendue_host::description::Model::Blend { parts, weight });
+        let size = [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+        b.quad([-1.0, -1.0, 0.0], size[0], size[1], Some(blend));
+        b.light(etendue_host::description::EmitterKind::Point {
+            position: [0.7, -0.8, 1.5],
+            intensity: [2.0; 3],
+        });
+        estimates(
+            &b.description,
+            Estimator::Path,
+            Heuristic::Power,
+            Some(2),
+            40,
+        )
+    };
+    let [first, second, mixed] = [0.0, 1.0, 0.3].map(with);
+    for (i, mixed) in mixed.iter().enumerate() {
+        let truth = 0.7 * first[i].mean + 0.3 * second[i].mean;
+        let error = mixed.error.hypot(first[i].error).hypot(second[i].error);
+        assert!(
+            (mixed.mean - truth).abs() < Z * error + 1e-6 * truth,
+            "{i}: {mixed:?} for {truth}"
+        );
+    }
 }
 
 #[test]
@@ -202,10 +259,37 @@ fn spheres_and_their_meshes() {
     assert_agree("sphere against mesh", &a, &b);
 }
 
+/// Transforms that mirror: what is left goes right, and nothing else changes. What is said to be outside stays outside.
+#[test]
+fn mirrored_transforms() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("gem.obj"), scenes::GEM).unwrap();
+    let image = |mirror: &str, estimator, passes| {
+        let file = folder.path().join("scene.xml");
+        std::fs::write(&file, scenes::MIRRORED.replace("<mirror/>", mirror)).unwrap();
+        let made = prepare(&file, &[], Size::default()).unwrap_or_else(|e| panic!("{e}"));
+        of_blob(&made.blob, estimator, Heuristic::Power, None, passes)
+    };
+    let (path, both) = (Estimator::Path, Estimator::Bidirectional);
+    let plain = image("", path, 40);
+    assert_agree("as it is", &plain, &image("", both, 12));
+    for (estimator, passes) in [(path, 40), (both, 12)] {
+        let mirrored = image("<scale x=\"-1\"/>", estimator, passes);
+        let rows = mirrored.chunks(3 * BLOCKS as usize);
+        let back: Vec<Estimate> = rows
+            .flat_map(|row| row.rchunks(3).flatten())
+            .copied()
+            .collect();
+        assert_agree(&format!("mirrored, by {estimator:?}"), &plain, &back);
+    }
+}
+
 /// Single against double precision, which share their random numbers.
 #[test]
 fn precisions() {
-    for (name, d, _) in scenes::objects().iter().chain(&scenes::lights()) {
+    let glossy = scenes::glossy();
+    let (objects, lights) = (scenes::objects(), scenes::lights());
+    for (name, d, _) in objects.iter().chain(&lights).chain(&glossy) {
         let bytes = blob(d);
         let scene = Scene::open(bytes.bytes()).unwrap();
         let wide = etendue_f64::Scene::open(bytes.bytes()).unwrap();

@@ -103,9 +103,10 @@ pub fn fogs() -> Vec<Named> {
         b.fog([-0.9, -0.9, 0.05], [0.9, 0.9, 1.6], fog);
     });
     all.push((
+        // What goes straight on is a Dirac, through which no light walk sees the sensor.
         "a blend of phase functions, very chromatic",
         d.description,
-        FromLight,
+        FromSensor,
     ));
     all
 }

@@ -2,7 +2,8 @@
 
 use super::Complete::{self, FromLight, FromSensor};
 use etendue_host::description::{
-    ColorSource, Description, EmitterKind, Filter, Geometry, Mesh, Model, Projection,
+    ColorSource, Description, Distribution, EmitterKind, Facets, Filter, Geometry, Masking, Mesh,
+    Model, Projection,
 };
 use etendue_tests::scenes::{Builder, V, room};
 
@@ -178,6 +179,126 @@ pub fn objects() -> Vec<Named> {
     all
 }
 
+/// Glossy things of every kind; all but a blend's mirror and plastic's coat are smooth enough for light tracing.
+pub fn glossy() -> Vec<Named> {
+    let constant = |c: f32| ColorSource::Constant([c; 3]);
+    let facets = |alpha: f32, distribution, masking, compensated| Facets {
+        alpha: [alpha; 2],
+        distribution,
+        masking,
+        compensated,
+    };
+    let mut all: Vec<Named> = Vec::new();
+    let b = room(|b| {
+        let gold = b.material(Model::RoughConductor {
+            eta: [0.14, 0.37, 1.44],
+            k: [3.98, 2.39, 1.6],
+            reflectance: constant(1.0),
+            facets: facets(0.4, Distribution::Ggx, Masking::Correlated, true),
+        });
+        let steel = b.material(Model::RoughConductor {
+            eta: [0.0; 3],
+            k: [1.0; 3],
+            reflectance: constant(0.7),
+            facets: facets(0.3, Distribution::Beckmann, Masking::Separable, false),
+        });
+        let plastic = b.material(Model::Plastic {
+            ior: 1.5,
+            diffuse_reflectance: ColorSource::Constant([0.2, 0.3, 0.8]),
+            reflectance: constant(1.0),
+            nonlinear: true,
+            facets: Some(facets(0.3, Distribution::Ggx, Masking::Separable, false)),
+        });
+        let phong = b.material(Model::Phong {
+            diffuse_reflectance: ColorSource::Constant([0.4, 0.2, 0.1]),
+            reflectance: constant(0.5),
+            transmittance: constant(0.0),
+            diffuse_transmittance: constant(0.0),
+            exponent: 20.0,
+            modified: true,
+            ior: 1.0,
+            fresnel: false,
+        });
+        b.quad(
+            [-1.0, -1.0, 0.01],
+            [2.0, 0.0, 0.0],
+            [0.0, 2.0, 0.0],
+            Some(steel),
+        );
+        b.sphere([-0.5, 0.1, 0.35], 0.3, Some(gold));
+        b.sphere([0.45, -0.1, 0.3], 0.3, Some(plastic));
+        b.cuboid([-0.2, 0.3, 0.0], [0.2, 0.6, 0.9], false, Some(phong));
+    });
+    all.push(("metals, plastic and Phong", b.description, FromLight));
+    let b = room(|b| {
+        let ground = b.material(Model::RoughDielectric {
+            ior: 1.5,
+            reflectance: constant(1.0),
+            transmittance: constant(1.0),
+            facets: facets(0.4, Distribution::Ggx, Masking::Separable, true),
+        });
+        let dull = b.material(Model::Phong {
+            diffuse_reflectance: constant(0.0),
+            reflectance: constant(1.0),
+            transmittance: ColorSource::Constant([0.9, 0.8, 0.6]),
+            diffuse_transmittance: constant(0.0),
+            exponent: 20.0,
+            modified: true,
+            ior: 1.4,
+            fresnel: true,
+        });
+        let sheet = b.material(Model::Phong {
+            diffuse_reflectance: constant(0.2),
+            reflectance: constant(0.2),
+            transmittance: constant(0.4),
+            diffuse_transmittance: constant(0.1),
+            exponent: 30.0,
+            modified: true,
+            ior: 1.0,
+            fresnel: false,
+        });
+        b.sphere([-0.45, 0.1, 0.4], 0.35, Some(ground));
+        b.cuboid([0.2, -0.2, 0.05], [0.7, 0.3, 0.6], false, Some(dull));
+        b.quad(
+            [-0.9, -0.4, 1.1],
+            [1.8, 0.0, 0.0],
+            [0.0, 1.0, 0.2],
+            Some(sheet),
+        );
+    });
+    all.push((
+        "ground glass, Phong glass and sheet",
+        b.description,
+        FromLight,
+    ));
+    let b = room(|b| {
+        let varnish = b.material(Model::Plastic {
+            ior: 1.5,
+            diffuse_reflectance: constant(0.6),
+            reflectance: constant(1.0),
+            nonlinear: false,
+            facets: None,
+        });
+        let mirror = b.mirror(0.9);
+        let red = b.diffuse([0.8, 0.2, 0.2]);
+        let half = b.material(Model::Blend {
+            parts: [red, mirror],
+            weight: constant(0.4),
+        });
+        let nested = b.material(Model::Blend {
+            parts: [half, varnish],
+            weight: constant(0.5),
+        });
+        b.cuboid([-0.6, 0.0, 0.0], [-0.1, 0.5, 0.9], false, Some(half));
+        b.sphere([0.45, -0.1, 0.3], 0.3, Some(nested));
+        // A lamp large enough for a path tracer's caustics.
+        b.quad([-0.9, -0.9, 1.9], [0.0, 1.8, 0.0], [1.8, 0.0, 0.0], None)
+            .emission = Some([1.0; 3]);
+    });
+    all.push(("blends and varnish", b.description, FromSensor));
+    all
+}
+
 /// Every kind of light.
 pub fn lights() -> Vec<Named> {
     let open = |light: &dyn Fn(&mut Builder)| {
@@ -318,6 +439,14 @@ pub fn lights() -> Vec<Named> {
     ]
 }
 
+/// Makes the camera a panorama amid the room, its seam at a wall.
+fn panorama(d: &mut Description, filter: Filter) {
+    let s = &mut d.sensor;
+    (s.projection, s.filter) = (Projection::Panorama, filter);
+    (s.origin, s.resolution) = ([0.1, -0.5, 1.1], [16, 8]);
+    (s.right, s.down, s.forward) = ([0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]);
+}
+
 /// Crop, lens, filters, projections, mirrored cameras.
 pub fn sensors() -> Vec<Named> {
     let with = |name: &'static str, change: &dyn Fn(&mut Description)| {
@@ -378,6 +507,55 @@ pub fn sensors() -> Vec<Named> {
             d.sensor.resolution = [32, 32];
             d.sensor.crop = Some([4, 8, 24, 20]);
         }),
+        with("panorama", &|d| panorama(d, Filter::Box { radius: 0.5 })),
+        with("panorama, wide filter across seam and poles", &|d| {
+            panorama(d, Filter::Tent { radius: 3.0 })
+        }),
+        with("panorama, gaussian filter and crop at the seam", &|d| {
+            panorama(
+                d,
+                Filter::Gaussian {
+                    sigma: 1.0,
+                    radius: 3.0,
+                },
+            );
+            d.sensor.resolution = [40, 20];
+            d.sensor.crop = Some([0, 0, 12, 20]);
+        }),
         with("near and far planes", &|d| d.sensor.clip = [2.9, 4.1]),
     ]
 }
+
+/// An octahedron that is larger on one side than on the other, with a normal at each vertex.
+pub const GEM: &str = "v 1 0 0\nv -0.5 0 0\nv 0 1 0\nv 0 -0.6 0\nv 0 0 1\nv 0 0 -0.8\n\
+    vn 1 0 0\nvn -1 0 0\nvn 0 1 0\nvn 0 -1 0\nvn 0 0 1\nvn 0 0 -1\n\
+    f 1//1 3//3 5//5\nf 3//3 2//2 5//5\nf 2//2 4//4 5//5\nf 4//4 1//1 5//5\n\
+    f 3//3 1//1 6//6\nf 2//2 3//3 6//6\nf 4//4 2//2 6//6\nf 1//1 4//4 6//6\n";
+
+/// Nothing in it is symmetric but the camera. Meshes with smooth and with flat normals, an exact sphere, glass, a lamp; all of them
+/// are transformed by what is put in the place of `<mirror/>`. As in Mitsuba, a mirror turns spheres and meshes without normals
+/// inside out: these are two-sided.
+pub const MIRRORED: &str = r#"<scene version="3.0.0">
+  <sensor type="perspective">
+    <float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="0, -4, 1.5" target="0, 0, 0.6" up="0, 0, 1"/></transform>
+    <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/><rfilter type="box"/></film>
+  </sensor>
+  <bsdf type="twosided" id="red"><bsdf type="diffuse"><rgb name="reflectance" value="0.8, 0.3, 0.2"/></bsdf></bsdf>
+  <bsdf type="diffuse" id="white"><rgb name="reflectance" value="0.7"/></bsdf>
+  <bsdf type="dielectric" id="glass"><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf>
+  <shape type="rectangle"><ref id="white"/>
+    <transform name="to_world"><scale value="3"/><rotate y="1" angle="4"/><mirror/></transform></shape>
+  <shape type="obj"><string name="filename" value="gem.obj"/><ref id="white"/>
+    <transform name="to_world"><scale value="0.7"/><rotate z="1" angle="20"/><translate x="-0.7" z="0.7"/><mirror/></transform></shape>
+  <shape type="obj"><string name="filename" value="gem.obj"/><boolean name="face_normals" value="true"/><ref id="red"/>
+    <transform name="to_world"><scale value="0.4"/><rotate x="1" angle="20"/><translate x="0.2" y="0.6" z="0.4"/><mirror/></transform></shape>
+  <shape type="cube"><ref id="glass"/>
+    <transform name="to_world"><scale value="0.3"/><rotate z="1" angle="30"/><translate x="0.6" y="-0.4" z="0.4"/><mirror/></transform></shape>
+  <shape type="sphere"><ref id="red"/>
+    <transform name="to_world"><scale value="0.25"/><translate x="-0.2" y="-0.9" z="0.3"/><mirror/></transform></shape>
+  <shape type="rectangle"><emitter type="area"><rgb name="radiance" value="2, 1.5, 1"/></emitter>
+    <transform name="to_world"><scale x="1.2" y="0.8"/><rotate x="1" angle="180"/><rotate y="1" angle="20"/><translate x="-0.6" z="2.5"/><mirror/></transform></shape>
+  <emitter type="constant"><rgb name="radiance" value="0.2"/></emitter>
+</scene>
+"#;

@@ -78,13 +78,14 @@ fn help_names_every_flag() {
         "render",
         "compile",
         "inspect",
+        "bake",
         "compare",
         "Exit codes",
         "130",
     ] {
         assert!(help.contains(part), "--help lacks {part}:\n{help}");
     }
-    let flags: [(&str, &[&str]); 4] = [
+    let flags: [(&str, &[&str]); 5] = [
         (
             "render",
             &[
@@ -103,6 +104,25 @@ fn help_names_every_flag() {
                 "--tonemap",
                 "--json",
                 "--quiet",
+                "--branching",
+                "--light-samples",
+                "--quadrature",
+                "--steps",
+                "--shift",
+            ],
+        ),
+        (
+            "bake",
+            &[
+                "--shape",
+                "--output",
+                "--width",
+                "--height",
+                "--spp",
+                "--dilate",
+                "--estimator",
+                "--threads",
+                "-D",
             ],
         ),
         ("compile", &["--output", "-D"]),
@@ -395,5 +415,68 @@ fn inspects_scenes_and_blobs() {
         ] {
             assert!(out.contains(part), "{scene}: no {part:?} in\n{out}");
         }
+    }
+}
+
+/// A scene whose floor has a name.
+fn with_floor(at: &Path) {
+    let named = SCENE.replacen("type=\"rectangle\"", "type=\"rectangle\" id=\"ground\"", 1);
+    std::fs::write(at.join("named.xml"), named).unwrap();
+}
+
+#[test]
+fn bakes_light_maps_with_the_same_bits_on_any_threads() {
+    let (_keep, at) = folder();
+    with_floor(&at);
+    let bake = |out: &str, more: &[&str]| {
+        let flags = [
+            "bake",
+            "named.xml",
+            "--shape",
+            "ground",
+            "-o",
+            out,
+            "--width",
+            "8",
+        ];
+        let size = ["--height", "6", "--spp", "3", "--json"];
+        json(&at, &[&flags, &size[..], more].concat())
+    };
+    let report = bake("a.exr", &["--threads", "1"]);
+    assert_eq!(
+        (&report["width"], &report["height"], &report["covered"]),
+        (&8.into(), &6.into(), &48.into())
+    );
+    bake("b.exr", &["--threads", "3"]);
+    assert_eq!(bytes(&at, "a.exr"), bytes(&at, "b.exr"));
+    for estimator in [
+        "light",
+        "bidirectional",
+        "distributed",
+        "quadrature",
+        "quadrature+path",
+    ] {
+        bake("c.exr", &["--estimator", estimator]);
+    }
+}
+
+#[test]
+fn every_estimator_renders() {
+    let (_keep, at) = folder();
+    for flags in [
+        &[
+            "--estimator",
+            "distributed",
+            "--branching",
+            "3,2",
+            "--light-samples",
+            "2",
+        ][..],
+        &["--estimator", "quadrature", "--quadrature", "3"],
+        &["--estimator", "quadrature+path", "--shift", "--steps", "9"],
+    ] {
+        let render = ["render", "scene.xml", "-o", "x.exr", "--spp", "2", "--json"];
+        let report = json(&at, &[&render, flags].concat());
+        assert!(report["mean_rgb"][0].as_f64().unwrap() > 0.0, "{flags:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! Bad input: one line that names file and place, exit code ≠ 0, nothing written.
 
-use super::{SCENE, etendue, folder, succeed, text};
+use super::{SCENE, etendue, folder, succeed, text, with_floor};
 use std::path::Path;
 
 /// Everything in a folder.
@@ -109,7 +109,10 @@ fn meshes() {
     };
     mesh(&obj.replace("v 1 0 0", "v nan 0 0"), &["m.obj:2"]);
     mesh(&obj.replace("f 1 2 3", "f 1 2 7"), &["m.obj:4", "7"]);
-    mesh(&obj.replace("v 0 1 0", "v 2 0 0"), &["area"]);
+    mesh(
+        &obj.replace("v 0 1 0", "v 2 0 0"),
+        &["mesh.xml:19", "no area"],
+    );
     mesh("", &["m.obj"]);
     std::fs::remove_file(at.join("m.obj")).unwrap();
     refused(&at, &["render", "mesh.xml", "-o", "x.exr"], &["m.obj"]);
@@ -312,4 +315,90 @@ fn usage() {
         assert!(text(&output.stderr).starts_with("error: "), "{arguments:?}");
     }
     assert_eq!(listing(&at), ["scene.xml"]);
+}
+
+#[test]
+fn light_maps() {
+    let (_keep, at) = folder();
+    with_floor(&at);
+    let bake = |scene: &'static str, shape: &'static str| {
+        [
+            "bake", scene, "--shape", shape, "-o", "x.exr", "--width", "8", "--height", "8",
+        ]
+    };
+    refused(
+        &at,
+        &bake("named.xml", "roof"),
+        &["named.xml", "\"roof\"", "\"ground\""],
+    );
+    succeed(&at, &["compile", "named.xml", "-o", "named.etd"]);
+    refused(
+        &at,
+        &bake("named.etd", "ground"),
+        &["named.etd", "no names"],
+    );
+    let round = SCENE.replacen("type=\"sphere\"", "type=\"sphere\" id=\"lamp\"", 1);
+    std::fs::write(at.join("round.xml"), round).unwrap();
+    refused(
+        &at,
+        &bake("round.xml", "lamp"),
+        &["round.xml:15", "lamp", "no texture coordinates"],
+    );
+    let mesh = |file: &str, uvs: &str, faces: &str| {
+        let obj = format!("v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\n{uvs}{faces}");
+        std::fs::write(at.join(format!("{file}.obj")), obj).unwrap();
+        let shape = format!(
+            "<shape type=\"obj\" id=\"card\"><string name=\"filename\" value=\"{file}.obj\"/></shape></scene>"
+        );
+        let scene = SCENE.replacen("</scene>", &shape, 1);
+        std::fs::write(at.join(format!("{file}.xml")), scene).unwrap();
+    };
+    mesh("bare", "", "f 1 3 2\nf 1 4 3\n");
+    refused(
+        &at,
+        &bake("bare.xml", "card"),
+        &["bare.xml:19", "card", "no texture coordinates"],
+    );
+    mesh(
+        "twice",
+        "vt 0 0\nvt 1 0\nvt 1 1\n",
+        "f 1/1 3/3 2/2\nf 1/1 4/2 3/3\n",
+    );
+    refused(
+        &at,
+        &bake("twice.xml", "card"),
+        &["twice.xml:19", "card", "triangles 0 and 1 overlap"],
+    );
+    mesh("far", "vt 0 0\nvt 1 0\nvt 1 2\n", "f 1/1 3/3 2/2\n");
+    refused(
+        &at,
+        &bake("far.xml", "card"),
+        &["far.xml:19", "card", "[0, 1]"],
+    );
+}
+
+#[test]
+fn estimators_that_cannot_answer() {
+    let sky = "<emitter type=\"constant\"/></scene>";
+    let (_keep, at) = folder();
+    std::fs::write(at.join("sky.xml"), SCENE.replacen("</scene>", sky, 1)).unwrap();
+    refused(
+        &at,
+        &[
+            "render",
+            "sky.xml",
+            "-o",
+            "x.exr",
+            "--estimator",
+            "quadrature",
+        ],
+        &["sky.xml", "quadrature+path"],
+    );
+    for branching in ["0", "8,,2", "1,1,1,1,1,1,1,1,1", "255,255", "256", ""] {
+        let flag = format!("--branching={branching}");
+        let output = etendue(&at, &["render", "sky.xml", "-o", "x.exr", &flag]);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{branching:?}: {error}");
+        assert!(error.contains("8,4,2"), "{error}");
+    }
 }

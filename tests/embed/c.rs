@@ -179,29 +179,25 @@ fn an_engines_own_ray_tracer_gives_the_same_image() {
     } else {
         "-lembree3"
     };
-    let program = folder.join("embree");
-    compile(
-        &["g++", "-std=c++17"],
-        &example("embree.cpp"),
-        &[embree],
-        &program,
-    );
-    let printed = text(&run(Command::new(&program).arg(&file)));
-    let values: Vec<f64> = printed
-        .split_whitespace()
-        .map(|w| w.parse().unwrap())
-        .collect();
-    let &[ours, theirs, error, different] = values.as_slice() else {
-        panic!("{printed}");
-    };
-    // The same random numbers: what differs is a ray here and there. Seven standard errors of the difference, and a share of
-    // pixels that a wrong answer to one kind of ray would exceed by far.
-    assert!(
-        (ours - theirs).abs() <= 7.0 * error && ours > 0.0,
-        "{printed}"
-    );
-    assert!(different < 0.02, "{printed}");
-    println!("{printed}");
+    let source = example("embree.cpp");
+    for mut way in ways(&["g++", "-std=c++17"], &source, &folder, &[embree]) {
+        let printed = text(&run(way.arg(&file)));
+        let values: Vec<f64> = printed
+            .split_whitespace()
+            .map(|w| w.parse().unwrap())
+            .collect();
+        let &[ours, theirs, error, different] = values.as_slice() else {
+            panic!("{way:?}: {printed}");
+        };
+        // The same random numbers: what differs is a ray here and there. Seven standard errors of the difference, and a share of
+        // pixels that a wrong answer to one kind of ray would exceed by far.
+        assert!(
+            (ours - theirs).abs() <= 7.0 * error && ours > 0.0,
+            "{way:?}: {printed}"
+        );
+        assert!(different < 0.02, "{way:?}: {printed}");
+        println!("{printed}");
+    }
 }
 
 fn beside(name: &str) -> PathBuf {
@@ -214,7 +210,7 @@ fn misuse_is_found_out() {
         return;
     }
     let folder = target("misuse");
-    for scene in ["matter", "open_air"] {
+    for scene in ["matter", "gloss", "open_air"] {
         let blob = crate::bits::data(&format!("bits/{scene}.etd"));
         for mut way in ways(&["gcc", "-std=c11"], &beside("misuse.c"), &folder, &[]) {
             run(way.arg(&blob));
@@ -234,7 +230,7 @@ fn the_callers_control_word_is_kept_and_does_not_matter() {
         &[],
         &folder.join("control"),
     );
-    for scene in ["matter", "open_air", "plan"] {
+    for scene in ["matter", "gloss", "open_air", "plan"] {
         let blob = crate::bits::data(&format!("bits/{scene}.etd"));
         run(Command::new(folder.join("control")).arg(blob));
     }
@@ -252,7 +248,7 @@ fn little_stack_is_used_whatever_the_capacity() {
     let folder = target("stack");
     let program = folder.join("stack");
     compile(&["gcc", "-std=c11"], &beside("stack.c"), &[], &program);
-    for scene in ["matter", "open_air", "plan"] {
+    for scene in ["matter", "gloss", "open_air", "plan"] {
         let blob = crate::bits::data(&format!("bits/{scene}.etd"));
         let printed = text(&run(Command::new(&program).arg(blob)));
         print!("{printed}");

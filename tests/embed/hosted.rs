@@ -29,6 +29,11 @@ fn source() -> PathBuf {
     root().join("kernel/examples/c/build_scene.c")
 }
 
+/// The same for C++.
+fn sky() -> PathBuf {
+    root().join("kernel/examples/cmake/sky.cpp")
+}
+
 /// Compiles with everything said out loud; returns the program.
 fn compile(folder: &Path, compiler: &str, source: &Path, flags: &[&str]) -> PathBuf {
     let program = folder.join("program");
@@ -75,14 +80,18 @@ fn the_sanitizers_have_nothing_to_say() {
     }
     let folder = tempfile::tempdir().unwrap();
     let flags = [
-        "-std=c99",
         "-g",
         "-fsanitize=address,undefined",
         "-fno-sanitize-recover=all",
     ];
-    let program = compile(folder.path(), "cc", &source(), &flags);
+    let strictly = |standard| [&[standard], &flags[..]].concat();
+    let program = compile(folder.path(), "cc", &source(), &strictly("-std=c99"));
     let printed = render(folder.path(), Command::new(program), "1");
     assert_eq!(printed, cornell::printed(1));
+    if have("c++") {
+        let program = compile(folder.path(), "c++", &sky(), &strictly("-std=c++11"));
+        assert_eq!(text(&run(&mut Command::new(program))), "1.000\n");
+    }
 }
 
 #[test]
@@ -91,18 +100,25 @@ fn valgrind_has_nothing_to_say() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
+    let valgrind = |program| {
+        let mut valgrind = Command::new("valgrind");
+        // What the Rust runtime keeps for a thread until the process ends is pointed into, which counts as "possibly lost".
+        valgrind
+            .args(["--quiet", "--error-exitcode=1", "--leak-check=full"])
+            .args([
+                "--errors-for-leak-kinds=definite",
+                "--show-leak-kinds=definite",
+            ])
+            .arg(program);
+        valgrind
+    };
     let program = compile(folder.path(), "cc", &source(), &["-std=c99"]);
-    let mut valgrind = Command::new("valgrind");
-    // What the Rust runtime keeps for a thread until the process ends is pointed into, which counts as "possibly lost".
-    valgrind
-        .args(["--quiet", "--error-exitcode=1", "--leak-check=full"])
-        .args([
-            "--errors-for-leak-kinds=definite",
-            "--show-leak-kinds=definite",
-        ])
-        .arg(program);
-    let printed = render(folder.path(), valgrind, "1");
+    let printed = render(folder.path(), valgrind(program), "1");
     assert_eq!(printed, cornell::printed(1));
+    if have("c++") {
+        let program = compile(folder.path(), "c++", &sky(), &["-std=c++11"]);
+        assert_eq!(text(&run(&mut valgrind(program))), "1.000\n");
+    }
 }
 
 #[test]
@@ -118,9 +134,8 @@ fn the_headers_are_cxx_too_and_c_of_every_year() {
         std::fs::write(&file, twice).unwrap();
         compile(folder.path(), "cc", &file, &[standard]);
     }
-    let sky = root().join("kernel/examples/cmake/sky.cpp");
     for standard in ["-std=c++11", "-std=c++20"] {
-        let program = compile(folder.path(), "c++", &sky, &[standard]);
+        let program = compile(folder.path(), "c++", &sky(), &[standard]);
         assert_eq!(text(&run(&mut Command::new(program))), "1.000\n");
     }
 }

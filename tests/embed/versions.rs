@@ -39,6 +39,7 @@ fn lock_files_agree_on_the_kernels_dependencies() {
         "kernel/ptx",
         "kernel/examples/cortex-m",
         "kernel/examples/web",
+        "fuzz",
     ] {
         let own = locked(package);
         for name in names {

@@ -1,6 +1,10 @@
 //! One change each.
 
-use crate::draft::{BALL, Draft, FLOATS, GLASS, IMAGES, LAMP, SMOOTH};
+use crate::draft::{
+    BALL, BLEND, BLENDS, Draft, FLOATS, FOG, GLASS, GLOW, GROUND, IMAGES, LAMP, METAL, PHONG,
+    PLASTIC, SMOOTH, WORDS,
+};
+use crate::media::{grids, media};
 use etendue::blob::Rule;
 use etendue::blob::format::{
     Cell, Choice, Emitter, LANES, Material, NONE, Node, Packet, Sensor, Shape, Sphere, Texture,
@@ -16,7 +20,12 @@ pub struct Break {
     pub change: Box<dyn Fn(&mut Draft)>,
 }
 
-fn broken(rule: Rule, section: u32, index: usize, change: impl Fn(&mut Draft) + 'static) -> Break {
+pub fn broken(
+    rule: Rule,
+    section: u32,
+    index: usize,
+    change: impl Fn(&mut Draft) + 'static,
+) -> Break {
     let (index, change) = (index as u32, Box::new(change));
     Break {
         rule,
@@ -27,7 +36,7 @@ fn broken(rule: Rule, section: u32, index: usize, change: impl Fn(&mut Draft) + 
 }
 
 /// A change of one record.
-fn record<T: bytemuck::Pod>(
+pub fn record<T: bytemuck::Pod>(
     rule: Rule,
     section: u32,
     index: usize,
@@ -48,10 +57,13 @@ pub fn breaks() -> Vec<Break> {
         geometry(),
         shapes(),
         materials(),
+        glossy(),
         textures(),
         emitters(),
         environments(),
         choices(),
+        media(),
+        grids(),
     ]
     .into_iter()
     .flatten()
@@ -131,7 +143,9 @@ fn world() -> Vec<Break> {
         w(Rule::WorldBackground, |w| w.background = 99),
         // The lamp.
         w(Rule::WorldBackgroundKind, |w| w.background = 0),
-        w(Rule::WorldExterior, |w| w.exterior = 1 << 20),
+        w(Rule::WorldExterior, |w| w.exterior = 2),
+        // There is a sun.
+        w(Rule::WorldExteriorDistant, |w| w.exterior = FOG as u32),
         w(Rule::WorldReserved, |w| w.reserved[7] = 1),
     ]
 }
@@ -139,7 +153,7 @@ fn world() -> Vec<Break> {
 fn sensor() -> Vec<Break> {
     let s = |rule, change: fn(&mut Sensor)| record(rule, section::SENSOR, 0, change);
     vec![
-        s(Rule::SensorKind, |s| s.kind = 2),
+        s(Rule::SensorKind, |s| s.kind = 3),
         s(Rule::SensorFilter, |s| s.filter = 3),
         s(Rule::SensorFilterRadius, |s| s.filter_radius = 0.0),
         s(Rule::SensorFilterRadius, |s| s.filter_radius = 8.1),
@@ -162,7 +176,11 @@ fn sensor() -> Vec<Break> {
         s(Rule::SensorRight, |s| s.right = [0.0; 3]),
         s(Rule::SensorDown, |s| s.down = [1.0; 3]),
         s(Rule::SensorForward, |s| s.forward[0] = f32::NAN),
-        s(Rule::SensorMedium, |s| s.medium = 1 << 20),
+        s(Rule::SensorAxes, |s| {
+            s.kind = etendue::blob::format::sensor::PANORAMA;
+            s.right = s.forward;
+        }),
+        s(Rule::SensorMedium, |s| s.medium = 2),
         s(Rule::SensorReserved, |s| s.reserved[0] = 1),
     ]
 }
@@ -282,8 +300,8 @@ fn shapes() -> Vec<Break> {
     vec![
         ball(Rule::ShapeFront, |s| s.front = 99),
         ball(Rule::ShapeBack, |s| s.back = 99),
-        ball(Rule::ShapeMedium, |s| s.interior = 1 << 20),
-        ball(Rule::ShapeMedium, |s| s.exterior = 1 << 20),
+        ball(Rule::ShapeMedium, |s| s.interior = 2),
+        ball(Rule::ShapeMedium, |s| s.exterior = 2),
         ball(Rule::ShapeOpacity, |s| s.opacity = 99),
         ball(Rule::ShapeEmitter, |s| s.emitter = 99),
         // The lamp's, and the point light's.
@@ -298,7 +316,7 @@ fn shapes() -> Vec<Break> {
 fn materials() -> Vec<Break> {
     let m = |rule, change: fn(&mut Material)| record(rule, section::MATERIALS, GLASS, change);
     vec![
-        m(Rule::MaterialKind, |m| m.kind = 6),
+        m(Rule::MaterialKind, |m| m.kind = 12),
         m(Rule::MaterialFlags, |m| m.flags = 2),
         record(
             Rule::MaterialFlags,
@@ -316,8 +334,48 @@ fn materials() -> Vec<Break> {
         m(Rule::MaterialEta, |m| m.eta[0] = -1.0),
         m(Rule::MaterialK, |m| m.k[2] = 2e6),
         m(Rule::MaterialReserved, |m| m.reserved = 1),
-        m(Rule::MaterialReserved, |m| m.reserved2[5] = 1),
+        m(Rule::MaterialReserved, |m| m.gloss[1] = 0.5),
+        m(Rule::MaterialReserved, |m| m.internal = 0.5),
+        m(Rule::MaterialReserved, |m| m.link[1] = 1),
+        m(Rule::MaterialReserved, |m| m.level = 1),
     ]
+}
+
+fn glossy() -> Vec<Break> {
+    let m = |rule, at, change: fn(&mut Material)| record(rule, section::MATERIALS, at, change);
+    vec![
+        m(Rule::MaterialFlags, PHONG, |m| m.flags = 2),
+        m(Rule::MaterialFlags, GROUND, |m| m.flags = 4),
+        m(Rule::MaterialFlags, BLEND, |m| m.flags = 1),
+        m(Rule::MaterialExponent, PHONG, |m| m.gloss[0] = 1.1e5),
+        m(Rule::MaterialExponent, PHONG, |m| m.gloss[0] = f32::NAN),
+        m(Rule::MaterialNormalization, PHONG, |m| m.gloss[1] *= 1.01),
+        m(Rule::MaterialNormalization, PHONG, |m| m.gloss[1] = 0.0),
+        m(Rule::MaterialRoughness, METAL, |m| m.gloss[0] = 0.0),
+        m(Rule::MaterialRoughness, GROUND, |m| m.gloss[1] = f32::NAN),
+        m(Rule::MaterialRoughness, PLASTIC, |m| m.gloss[1] = 11.0),
+        m(Rule::MaterialRoughIor, GROUND, |m| m.ior = 1.005),
+        m(Rule::MaterialInternal, PLASTIC, |m| m.internal = 1.0),
+        m(Rule::MaterialInternal, PLASTIC, |m| m.internal = -0.1),
+        m(Rule::MaterialCurve, METAL, |m| m.link[0] = NONE),
+        m(Rule::MaterialCurve, GROUND, |m| m.link[1] = 1 << 20),
+        m(Rule::MaterialCurve, PLASTIC, |m| m.link[0] = 1 << 20),
+        m(Rule::MaterialReserved, METAL, |m| m.link[1] = 1),
+        m(Rule::MaterialReserved, METAL, |m| m.flags = 0),
+        m(Rule::MaterialReserved, METAL, |m| m.internal = 0.5),
+        m(Rule::MaterialPart, BLEND, |m| m.link[0] = 99),
+        m(Rule::MaterialPart, BLEND, |m| m.link[1] = NONE),
+        m(Rule::MaterialLevel, BLEND, |m| m.level = 0),
+        m(Rule::MaterialLevel, BLENDS, |m| m.level = 9),
+        m(Rule::MaterialLevel, BLENDS, |m| m.level = 1),
+        // Within itself.
+        m(Rule::MaterialLevel, BLEND, |m| m.link[0] = BLEND as u32),
+    ]
+}
+
+/// The rows of four texels that the grids' words would make.
+pub fn grid_rows() -> u32 {
+    WORDS.iter().sum::<usize>() as u32 / 4
 }
 
 fn textures() -> Vec<Break> {
@@ -336,7 +394,7 @@ fn textures() -> Vec<Break> {
         floats(Rule::TextureTexels, |t| t.texels = NONE),
         // The other image takes what is left for the floats.
         broken(Rule::TextureBudget, section::TEXTURES, FLOATS, |d| {
-            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 14;
+            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 18 + grid_rows();
         }),
         broken(Rule::TextureFloat, section::TEXTURES, FLOATS, |d| {
             let at = d.record::<Texture>(section::TEXTURES, FLOATS).texels as usize;
@@ -362,6 +420,11 @@ fn emitters() -> Vec<Break> {
         e(Rule::EmitterDensity, ROUND, |e| e.density = f32::INFINITY),
         e(Rule::EmitterPosition, POINT, |e| e.position[0] = 1.1e12),
         e(Rule::EmitterReserved, SKY, |e| e.reserved[3] = 1),
+        e(Rule::EmitterMedium, SUN, |e| e.medium = 2),
+        e(Rule::VolumeMedium, GLOW, |e| e.medium = NONE),
+        e(Rule::VolumeEdges, GLOW, |e| e.to_local[2][0] = 1.1e12),
+        e(Rule::VolumeEdges, GLOW, |e| e.to_local[2][0] = f32::NAN),
+        e(Rule::VolumeSize, GLOW, |e| e.to_local[1] = e.to_local[0]),
         // Lights that no shape has.
         e(Rule::AreaShape, POINT, |e| {
             (e.kind, e.shape) = (emitter::AREA, NONE)
@@ -384,10 +447,10 @@ fn environments() -> Vec<Break> {
         sky(Rule::EnvironmentHeight, |e| e.height = 1),
         sky(Rule::EnvironmentCube, |e| e.kind = emitter::CUBEMAP),
         sky(Rule::EnvironmentSize, |e| e.width = (1 << 16) + 1),
-        sky(Rule::EnvironmentTexels, |e| e.texels += 1),
+        sky(Rule::EnvironmentTexels, |e| e.texels += 1 + 4 * grid_rows()),
         // A texture takes what is left for the sky.
         broken(Rule::EnvironmentBudget, section::EMITTERS, SKY, |d| {
-            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 5;
+            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 9 + grid_rows();
         }),
         broken(Rule::EnvironmentRadiance, section::EMITTERS, SKY, |d| {
             let at = d.record::<Emitter>(section::EMITTERS, SKY).texels as usize;

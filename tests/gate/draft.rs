@@ -1,11 +1,15 @@
 //! A good blob, and the means to break one thing in it.
 
-use bytemuck::Pod;
-use etendue::blob::format::{Header, Toc};
+use bytemuck::{Pod, Zeroable};
+use etendue::blob::format::{Emitter, Header, NONE, Toc, emitter, medium, section};
 use etendue_host::blob::AlignedBlob;
-use etendue_host::description::{ColorSource, EmitterKind, Image, Pattern, Texels, Texture, Wrap};
+use etendue_host::description::{
+    ColorSource, Distribution, EmitterKind, Facets, Image, Masking, Model, Pattern, Texels,
+    Texture, Wrap,
+};
+use etendue_tests::media::{Matter, homogeneous, lobes, records, replaced};
 use etendue_tests::render::blob;
-use etendue_tests::scenes::room;
+use etendue_tests::scenes::{Builder, room};
 
 /// A blob that is being changed.
 pub struct Draft(pub AlignedBlob);
@@ -41,6 +45,13 @@ impl Draft {
 
 /// Materials of the scene below, by their place in its blob.
 pub const GLASS: usize = 3;
+/// One of each kind that has numbers of its own.
+pub const PHONG: usize = 4;
+pub const METAL: usize = 5;
+pub const GROUND: usize = 6;
+pub const PLASTIC: usize = 7;
+pub const BLEND: usize = 8;
+pub const BLENDS: usize = 9;
 /// Textures: a checkerboard, two small images, one of the same size as the sky.
 pub const IMAGES: [usize; 2] = [1, 2];
 pub const FLOATS: usize = 3;
@@ -50,10 +61,103 @@ pub const SMOOTH: usize = 6;
 pub const BALL: usize = 7;
 pub const LAMP: usize = 8;
 
+/// Its media: a grid of three grids, and fog.
+pub const CLOUD: usize = 0;
+pub const FOG: usize = 1;
+/// The light that the cloud is.
+pub const GLOW: usize = 6;
+/// The words that these media add to the texels: the extinction's, the albedo's, the emission's, the majorants.
+pub const WORDS: [usize; 4] = [8, 6, 4, 2];
+
+fn matter() -> Matter {
+    let mut matter = Matter::default();
+    let extinctions = matter.grid([2, 2, 2], false, |[x, ..]| [1.0 + x as f32]);
+    let albedos = matter.grid([1, 2, 1], true, |_| [0.5, 1.0, 0.25]);
+    let emissions = matter.grid([4, 1, 1], false, |[x, ..]| [x as f32]);
+    let cloud = matter.gridded(extinctions, [0.5; 3], [1.0; 3], [2, 1, 1]);
+    let cloud = &mut matter.media[cloud];
+    (cloud.albedos, cloud.emissions, cloud.emission) = (albedos, emissions, [1.0; 3]);
+    (cloud.flags, cloud.emitter) = (medium::REGULAR, GLOW as u32);
+    let mut fog = homogeneous([0.5, 1.0, 0.0], [0.5; 3]);
+    fog.emission = [1.0, 0.0, 0.0];
+    fog.phase = lobes(&[
+        (medium::HENYEY_GREENSTEIN, 0.5, 0.75),
+        (medium::RAYLEIGH, 0.0, 0.25),
+    ]);
+    matter.media.push(fog);
+    matter
+}
+
+/// With a light that is the cloud's glow.
+fn glowing(blob: &AlignedBlob) -> AlignedBlob {
+    let mut emitters: Vec<Emitter> = records(blob, section::EMITTERS);
+    emitters.push(Emitter {
+        kind: emitter::VOLUME,
+        shape: NONE,
+        density: 1.0,
+        to_local: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        medium: CLOUD as u32,
+        ..Emitter::zeroed()
+    });
+    replaced(blob, section::EMITTERS, &emitters)
+}
+
+fn glossy(b: &mut Builder) {
+    let grey = ColorSource::Constant([0.25; 3]);
+    let facets = Facets {
+        alpha: [0.3; 2],
+        distribution: Distribution::Ggx,
+        masking: Masking::Correlated,
+        compensated: true,
+    };
+    let made = [
+        Model::Phong {
+            diffuse_reflectance: grey,
+            reflectance: grey,
+            transmittance: grey,
+            diffuse_transmittance: grey,
+            exponent: 1e5,
+            modified: true,
+            ior: 1.5,
+            fresnel: false,
+        },
+        Model::RoughConductor {
+            eta: [0.0; 3],
+            k: [1.0; 3],
+            reflectance: grey,
+            facets,
+        },
+        Model::RoughDielectric {
+            ior: 1.5,
+            reflectance: grey,
+            transmittance: grey,
+            facets,
+        },
+        Model::Plastic {
+            ior: 1.5,
+            diffuse_reflectance: grey,
+            reflectance: grey,
+            nonlinear: true,
+            facets: Some(facets),
+        },
+        Model::Blend {
+            parts: [GLASS, PHONG],
+            weight: grey,
+        },
+        Model::Blend {
+            parts: [BLEND, METAL],
+            weight: grey,
+        },
+    ]
+    .map(|model| b.material(model));
+    assert_eq!(made, [PHONG, METAL, GROUND, PLASTIC, BLEND, BLENDS]);
+}
+
 /// A scene in which no section is empty, and each kind of light but cube maps shines.
 pub fn scene() -> Draft {
     let mut scene = room(|b| {
         let glass = Some(b.glass(1.5));
+        glossy(b);
         // Enough triangles for a tree of three levels.
         b.cuboid([-0.5; 3], [0.5; 3], false, None);
         let quads = b.description.shapes.pop().unwrap();
@@ -130,5 +234,5 @@ pub fn scene() -> Draft {
     for (shape, texture) in d.shapes.iter_mut().zip(0..4) {
         shape.opacity = Some(ColorSource::Texture(texture));
     }
-    Draft(blob(d))
+    Draft(glowing(&matter().put_into(&blob(d))))
 }

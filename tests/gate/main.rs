@@ -3,6 +3,7 @@
 
 mod breaks;
 mod draft;
+mod media;
 
 use breaks::{Break, breaks};
 use draft::scene;
@@ -12,10 +13,15 @@ use etendue_host::blob::AlignedBlob;
 use std::collections::BTreeSet;
 
 /// Rules that no blob here can break alone, and why.
-const ELSEWHERE: [(Rule, &str); 3] = [
+const ELSEWHERE: [(Rule, &str); 5] = [
     (Rule::WorldPrimitives, "takes a blob of 150 GB"),
     (Rule::TextureLeftOut, "takes a kernel without textures"),
+    (
+        Rule::MaterialLeftOut,
+        "takes a kernel without glossy materials",
+    ),
     (Rule::EmitterLeftOut, "takes a kernel without environments"),
+    (Rule::MediumLeftOut, "takes a kernel without media"),
 ];
 
 #[test]

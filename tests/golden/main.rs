@@ -50,11 +50,13 @@ fn scenes() -> Vec<(&'static str, AlignedBlob)> {
     ]
 }
 
-const ESTIMATORS: [(Estimator, Heuristic); 4] = [
+const ESTIMATORS: [(Estimator, Heuristic); 6] = [
     (Estimator::Path, Heuristic::Power),
     (Estimator::Light, Heuristic::Power),
     (Estimator::Bidirectional, Heuristic::Power),
     (Estimator::Bidirectional, Heuristic::Maximum),
+    (Estimator::Distributed, Heuristic::Power),
+    (Estimator::QuadratureAndPath, Heuristic::Power),
 ];
 
 fn image(scene: &Scene<'_>, estimator: Estimator, heuristic: Heuristic, threads: usize) -> String {

@@ -41,7 +41,14 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-const ESTIMATORS: [Estimator; 3] = [Estimator::Path, Estimator::Light, Estimator::Bidirectional];
+const ESTIMATORS: [Estimator; 6] = [
+    Estimator::Path,
+    Estimator::Light,
+    Estimator::Bidirectional,
+    Estimator::Distributed,
+    Estimator::Quadrature,
+    Estimator::QuadratureAndPath,
+];
 const HEURISTICS: [Heuristic; 4] = [
     Heuristic::Balance,
     Heuristic::Power,

@@ -182,6 +182,16 @@ fn cornell_spheres() {
 }
 
 #[test]
+fn cornell_glossy() {
+    own("cornell_glossy", 0.0, 8, true);
+}
+
+#[test]
+fn smallvcm_mirror_over_phong() {
+    own("scene1_large_mirror_phong_floor", 4.7e-3, 2, false);
+}
+
+#[test]
 fn smallvcm_empty_box() {
     own("scene4_empty", 4.2e-4, 2, true);
 }

@@ -3,8 +3,8 @@
 
 use crate::scenes::{Builder, room};
 use etendue_host::description::{
-    Color, ColorSource, Description, EmitterKind, Filter, Image, Model, Pattern, Projection,
-    Texels, Texture, Wrap,
+    Color, ColorSource, Description, Distribution, EmitterKind, Facets, Filter, Image, Masking,
+    Model, Pattern, Projection, Texels, Texture, Wrap,
 };
 
 /// Columns and rows of the images.
@@ -145,6 +145,100 @@ fn matter() -> Description {
     .description
 }
 
+/// A room with one of every glossy model.
+fn gloss() -> Description {
+    let facets = |alpha: f32, distribution, masking, compensated| Facets {
+        alpha: [alpha; 2],
+        distribution,
+        masking,
+        compensated,
+    };
+    let scene = room(|b| {
+        let board = texture(
+            b,
+            Pattern::Checkerboard {
+                colors: [[0.8; 3], [0.1; 3]],
+            },
+        );
+        let phong = |exponent: f32, ior: f32| Model::Phong {
+            diffuse_reflectance: constant(0.2),
+            reflectance: constant(0.3),
+            transmittance: constant(0.4),
+            diffuse_transmittance: constant(0.1),
+            exponent,
+            modified: exponent > 50.0,
+            ior,
+            fresnel: ior > 1.0,
+        };
+        let models = [
+            Model::RoughConductor {
+                eta: [0.14, 0.37, 1.44],
+                k: [3.98, 2.39, 1.6],
+                reflectance: constant(1.0),
+                facets: facets(0.2, Distribution::Ggx, Masking::Correlated, true),
+            },
+            Model::RoughConductor {
+                eta: [0.0; 3],
+                k: [1.0; 3],
+                reflectance: board,
+                facets: facets(0.4, Distribution::Beckmann, Masking::Cavities, false),
+            },
+            Model::RoughDielectric {
+                ior: 1.5,
+                reflectance: constant(1.0),
+                transmittance: ColorSource::Constant([0.8, 0.9, 1.0]),
+                facets: facets(0.3, Distribution::Beckmann, Masking::Separable, true),
+            },
+            Model::RoughDielectric {
+                ior: 1.33,
+                reflectance: constant(1.0),
+                transmittance: constant(1.0),
+                facets: facets(0.1, Distribution::Ggx, Masking::Correlated, false),
+            },
+            Model::Plastic {
+                ior: 1.5,
+                diffuse_reflectance: board,
+                reflectance: constant(1.0),
+                nonlinear: true,
+                facets: Some(facets(0.1, Distribution::Ggx, Masking::Separable, false)),
+            },
+            Model::Plastic {
+                ior: 1.4,
+                diffuse_reflectance: constant(0.5),
+                reflectance: constant(1.0),
+                nonlinear: false,
+                facets: None,
+            },
+            phong(20.0, 1.5),
+            phong(100.0, 1.0),
+        ];
+        for (i, model) in models.into_iter().enumerate() {
+            let material = Some(b.material(model));
+            let [x, z] = [i % 4, i / 4].map(|n| n as f32);
+            b.sphere(
+                [0.45 * x - 0.68, 0.2 - 0.3 * z, 0.3 + 0.6 * z],
+                0.22,
+                material,
+            );
+        }
+        let mirror = b.mirror(0.9);
+        let red = b.diffuse([0.8, 0.2, 0.2]);
+        let blend = b.material(Model::Blend {
+            parts: [red, mirror],
+            weight: board,
+        });
+        b.quad(
+            [-1.0, -1.0, 0.01],
+            [2.0, 0.0, 0.0],
+            [0.0, 2.0, 0.0],
+            Some(blend),
+        );
+        b.light(EmitterKind::Constant { radiance: [0.1; 3] });
+        b.description.sensor.resolution = SIZE;
+    });
+    scene.description
+}
+
 /// A few things in the open: lat-long sky, sun, thin lens, Gaussian filter, coarse smooth normals.
 fn open_air() -> Description {
     let mut b = Builder::new().camera(
@@ -240,9 +334,10 @@ fn furnish(b: &mut Builder) {
 }
 
 /// All of them, by name.
-pub fn scenes() -> [(&'static str, Description); 3] {
+pub fn scenes() -> [(&'static str, Description); 4] {
     [
         ("matter", matter()),
+        ("gloss", gloss()),
         ("open_air", open_air()),
         ("plan", plan()),
     ]

@@ -24,6 +24,7 @@ pub fn homogeneous(sigma_t: [f32; 3], albedo: [f32; 3]) -> Medium {
         extinctions: NONE,
         albedos: NONE,
         emissions: NONE,
+        emitter: NONE,
         cells: [0; 3],
         sigma_t,
         albedo,
@@ -93,9 +94,12 @@ impl Matter {
     ) -> usize {
         let grid = self.grids[extinctions as usize];
         let majorants = self.words.len() as u32;
-        // The texels that matter somewhere in a box, and one more on either side.
+        // The texels that matter somewhere in a box; trilinear ones from one more on either side.
         let span = |i: u32, axis: usize| {
             let (size, cells) = (grid.size[axis], cells[axis]);
+            if grid.nearest == 1 {
+                return i * size / cells..=((i + 1) * size).div_ceil(cells) - 1;
+            }
             let low = (i * size / cells).saturating_sub(1);
             low..=((i + 1) * size / cells + 1).min(size - 1)
         };

@@ -247,6 +247,7 @@ impl Builder {
                 *focus *= k;
             }
             Projection::Orthographic { half_extent } => *half_extent = half_extent.map(|h| h * k),
+            Projection::Panorama => (),
         }
         self
     }

@@ -14,6 +14,8 @@ mod single {
     mod dirac;
     mod energy;
     mod extremes;
+    mod loss;
+    mod oracles;
     mod texture;
     mod warp;
     mod zoo;
@@ -28,6 +30,8 @@ mod double {
     mod dirac;
     mod energy;
     mod extremes;
+    mod loss;
+    mod oracles;
     mod texture;
     mod warp;
     mod zoo;

@@ -11,6 +11,8 @@ use glam::DVec3;
 pub const ETD_PERSPECTIVE: u32 = 0;
 /// Parallel rays.
 pub const ETD_ORTHOGRAPHIC: u32 = 1;
+/// All directions around a point, lat-long: `direction` in the middle, `up` at the top.
+pub const ETD_PANORAMA: u32 = 2;
 
 /// Constant within the radius.
 pub const ETD_FILTER_BOX: u32 = 0;
@@ -25,7 +27,7 @@ pub const ETD_FILTER_GAUSSIAN: u32 = 2;
 pub struct EtdCamera {
     /// sizeof(EtdCamera).
     pub struct_size: u32,
-    /// `ETD_PERSPECTIVE` or `ETD_ORTHOGRAPHIC`.
+    /// `ETD_PERSPECTIVE`, `ETD_ORTHOGRAPHIC` or `ETD_PANORAMA`.
     pub projection: u32,
     /// Where it is, world units.
     pub origin: [f32; 3],
@@ -34,13 +36,13 @@ pub struct EtdCamera {
     /// What is up in the image; any length but 0, not along `direction`.
     pub up: [f32; 3],
     /// `ETD_PERSPECTIVE`: the angle that the image's width spans, radians, in (0, π). `ETD_ORTHOGRAPHIC`: the image's width, world units.
-    /// Pixels are square.
+    /// Pixels are square. `ETD_PANORAMA`: not read; the image spans everything.
     pub field: f32,
     /// Radius of the lens, world units; 0: a pinhole.
     pub aperture: f32,
     /// Distance to the plane in focus, along the axis, world units.
     pub focus: f32,
-    /// Nearest and farthest depth that is seen, along the axis, world units.
+    /// Nearest and farthest depth that is seen, along the axis (`ETD_PANORAMA`: distance), world units.
     pub clip: [f32; 2],
     /// Offset of the principal point, in widths and heights of the image.
     pub principal: [f32; 2],
@@ -167,6 +169,7 @@ fn sensor(c: &EtdCamera) -> Result<Sensor, Trouble> {
                 half_extent: half(0.5 * f64::from(c.field)),
             }
         }
+        ETD_PANORAMA => Projection::Panorama,
         _ => return Err(bad("unknown projection")),
     };
     let radius = c.filter_radius;

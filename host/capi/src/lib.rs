@@ -38,7 +38,7 @@ const _: () = {
                 && size_of::<blob::EtdBlob>() == 8 + 4 * pointer
                 && size_of::<builder::EtdBuilt>() == 24
                 && size_of::<camera::EtdCamera>() == 108
-                && size_of::<surface::EtdMaterial>() == 104
+                && size_of::<surface::EtdMaterial>() == 120
                 && size_of::<surface::EtdTexture>() == 72 + 2 * pointer
                 && size_of::<object::EtdMesh>() == 40 + 4 * pointer
                 && size_of::<object::EtdSphere>() == 48

@@ -144,6 +144,7 @@ fn status(e: &RenderError) -> EtdStatus {
         RenderError::Jobs => ETD_E_JOBS,
         // Not reached: nothing here asks for a GPU.
         RenderError::Gpu(_) => ETD_E_UNSUPPORTED,
+        RenderError::Estimator(_) => ETD_E_UNSUPPORTED,
     }
 }
 

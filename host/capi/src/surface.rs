@@ -6,7 +6,8 @@ use crate::builder::{ETD_NONE, EtdBuilder, edit};
 use crate::described::Described;
 use etendue::capi::status::{ETD_E_ARGUMENT, ETD_E_SIZE, EtdStatus};
 use etendue_host::description::{
-    Color, ColorSource, Image, Material, Model, Pattern, Texels, Texture, Wrap,
+    Color, ColorSource, Distribution, Facets, Image, Masking, Material, Model, Pattern, Texels,
+    Texture, Wrap,
 };
 use std::ffi::c_void;
 
@@ -22,8 +23,33 @@ pub const ETD_DIELECTRIC: u32 = 3;
 pub const ETD_BOUNDARY: u32 = 4;
 /// A thin sheet: `color[0]` mirror-like, `color[1]` straight through, `color[2]` diffusely reflected, `color[3]` diffusely transmitted.
 pub const ETD_SHEET: u32 = 5;
+/// Phong lobes of `exponent`: `color[0]` diffusely reflected, `color[1]` about the mirror direction, `color[2]` about the refracted
+/// direction (`ior`; 1 is a thin sheet), `color[3]` diffusely transmitted.
+pub const ETD_PHONG: u32 = 6;
+/// A rough conductor: as `ETD_CONDUCTOR`, with microfacets of roughness `alpha`.
+pub const ETD_ROUGH_CONDUCTOR: u32 = 7;
+/// A rough dielectric: as `ETD_DIELECTRIC`, with microfacets of roughness `alpha`; `ior` at least 1 % from 1.
+pub const ETD_ROUGH_DIELECTRIC: u32 = 8;
+/// Diffuse `color[0]` under a smooth coat of index `ior`; `color[1]` scales the coat's reflection.
+pub const ETD_PLASTIC: u32 = 9;
+/// The same under a coat with microfacets of roughness `alpha`.
+pub const ETD_ROUGH_PLASTIC: u32 = 10;
+/// At each point one of the two materials `parts`: the second with probability `color[0]`, its first channel.
+pub const ETD_BLEND: u32 = 11;
 /// Flag of `ETD_DIELECTRIC`: Schlick's approximation in place of Fresnel's equations.
 pub const ETD_SCHLICK: u32 = 1;
+/// Flag of `ETD_PHONG`: the lobes have Fresnel's shares of the light, by `ior`.
+pub const ETD_FRESNEL: u32 = 2;
+/// Flag of the rough kinds: Beckmann's distribution of facets rather than GGX.
+pub const ETD_BECKMANN: u32 = 4;
+/// Flag of the rough kinds: masking of each direction for itself rather than correlated by height.
+pub const ETD_SEPARABLE: u32 = 8;
+/// Flag of `ETD_ROUGH_CONDUCTOR` and `ETD_ROUGH_PLASTIC`: masking by V-shaped cavities.
+pub const ETD_CAVITIES: u32 = 16;
+/// Flag of the rough kinds: the light that scattering by single facets loses is given back.
+pub const ETD_COMPENSATED: u32 = 32;
+/// Flag of the plastics: light that the coat sends back takes the base's colour each time.
+pub const ETD_NONLINEAR: u32 = 64;
 
 /// A local model. `etd_material_default` fills it in.
 #[repr(C)]
@@ -31,9 +57,9 @@ pub const ETD_SCHLICK: u32 = 1;
 pub struct EtdMaterial {
     /// sizeof(EtdMaterial).
     pub struct_size: u32,
-    /// `ETD_DIFFUSE` to `ETD_SHEET`.
+    /// `ETD_DIFFUSE` to `ETD_BLEND`.
     pub kind: u32,
-    /// `ETD_SCHLICK` or 0.
+    /// `ETD_SCHLICK` to `ETD_NONLINEAR`, added up.
     pub flags: u32,
     /// Index of refraction inside (behind the front) over that outside, 0.001 to 1000.
     pub ior: f32,
@@ -45,6 +71,12 @@ pub struct EtdMaterial {
     pub eta: [f32; 3],
     /// Imaginary part, per channel, ≥ 0.
     pub k: [f32; 3],
+    /// Roughness of microfacets, 0.0001 to 10.
+    pub alpha: f32,
+    /// Phong's exponent, 0 to 100000. The lobes are normalised such that along the normal a colour is an albedo.
+    pub exponent: f32,
+    /// A blend's two materials.
+    pub parts: [u32; 2],
 }
 
 /// Squares of the colours `color[0]` (where ⌊u⌋ + ⌊v⌋ is even) and `color[1]`.
@@ -112,7 +144,7 @@ fn bad(reason: impl Into<String>) -> Trouble {
     Trouble::new(ETD_E_ARGUMENT, reason)
 }
 
-/// White and diffuse, without textures; an index of refraction of 1.5; eta 1, k 0.
+/// White and diffuse, without textures; an index of refraction of 1.5; eta 1, k 0; a roughness of 0.1, an exponent of 30, no parts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_material_default(material: *mut EtdMaterial) -> EtdStatus {
     fill(material, || EtdMaterial {
@@ -124,6 +156,9 @@ pub unsafe extern "C" fn etd_material_default(material: *mut EtdMaterial) -> Etd
         texture: [ETD_NONE; 4],
         eta: [1.0; 3],
         k: [0.0; 3],
+        alpha: 0.1,
+        exponent: 30.0,
+        parts: [ETD_NONE; 2],
     })
 }
 
@@ -264,6 +299,47 @@ fn shares(what: &str, colors: &[Color]) -> Result<(), Trouble> {
     }
 }
 
+fn known_flags(kind: u32) -> u32 {
+    let rough = ETD_BECKMANN | ETD_SEPARABLE | ETD_COMPENSATED;
+    match kind {
+        ETD_DIELECTRIC => ETD_SCHLICK,
+        ETD_PHONG => ETD_FRESNEL,
+        ETD_ROUGH_CONDUCTOR => rough | ETD_CAVITIES,
+        ETD_ROUGH_DIELECTRIC => rough,
+        ETD_PLASTIC => ETD_NONLINEAR,
+        ETD_ROUGH_PLASTIC => rough | ETD_CAVITIES | ETD_NONLINEAR,
+        _ => 0,
+    }
+}
+
+fn facets(m: &EtdMaterial) -> Facets {
+    let has = |flag: u32| m.flags & flag != 0;
+    Facets {
+        alpha: [m.alpha; 2],
+        distribution: if has(ETD_BECKMANN) {
+            Distribution::Beckmann
+        } else {
+            Distribution::Ggx
+        },
+        masking: if has(ETD_CAVITIES) {
+            Masking::Cavities
+        } else if has(ETD_SEPARABLE) {
+            Masking::Separable
+        } else {
+            Masking::Correlated
+        },
+        compensated: has(ETD_COMPENSATED),
+    }
+}
+
+/// A blend's part, which must be there already.
+fn part(id: u32, scene: &Described) -> Result<usize, Trouble> {
+    match optional_id("material", id, scene.materials.len())? {
+        Some(part) => Ok(part),
+        None => Err(bad("material: a blend needs two parts")),
+    }
+}
+
 fn model(m: &EtdMaterial, scene: &Described) -> Result<Model, Trouble> {
     let mut roles = [ColorSource::Constant([0.0; 3]); 4];
     for ((role, &color), &texture) in roles.iter_mut().zip(&m.color).zip(&m.texture) {
@@ -276,12 +352,14 @@ fn model(m: &EtdMaterial, scene: &Described) -> Result<Model, Trouble> {
         };
     }
     let [a, b, c, d] = roles;
-    if m.flags & !ETD_SCHLICK != 0 || (m.flags != 0 && m.kind != ETD_DIELECTRIC) {
+    if m.flags & !known_flags(m.kind) != 0 {
         return Err(bad("material: unknown flags"));
     }
     let scatters = match m.kind {
         ETD_DIFFUSE => 2,
         ETD_SHEET => 4,
+        // Fresnel's shares add up to 1 whatever they scale.
+        ETD_PHONG if m.flags & ETD_FRESNEL == 0 => 4,
         _ => 1,
     };
     // What textures add to it can't be told before they are looked up; the kernel is safe whatever it is.
@@ -297,20 +375,37 @@ fn model(m: &EtdMaterial, scene: &Described) -> Result<Model, Trouble> {
     }
     let index = m.eta.iter().all(|x| *x > 0.0 && *x <= 1e6);
     let absorbs = m.k.iter().all(|x| (0.0..=1e6).contains(x));
+    let refracts = (1e-3..=1e3).contains(&m.ior);
+    let facets = facets(m);
     match m.kind {
         ETD_DIFFUSE => Ok(Model::Diffuse {
             reflectance: a,
             transmittance: b,
         }),
         ETD_MIRROR => Ok(Model::Mirror { reflectance: a }),
-        ETD_CONDUCTOR if !(index && absorbs) => Err(bad("material: eta must be > 0, k >= 0")),
+        ETD_CONDUCTOR | ETD_ROUGH_CONDUCTOR if !(index && absorbs) => {
+            Err(bad("material: eta must be > 0, k >= 0"))
+        }
         ETD_CONDUCTOR => Ok(Model::Conductor {
             eta: m.eta,
             k: m.k,
             reflectance: a,
         }),
-        ETD_DIELECTRIC if !(1e-3..=1e3).contains(&m.ior) => {
+        ETD_DIELECTRIC | ETD_ROUGH_DIELECTRIC | ETD_PLASTIC | ETD_ROUGH_PLASTIC | ETD_PHONG
+            if !refracts =>
+        {
             Err(bad("material: ior must be 0.001 to 1000"))
+        }
+        ETD_ROUGH_DIELECTRIC if (m.ior - 1.0).abs() < 0.01 => {
+            Err(bad("material: a rough dielectric's ior must be 1 % from 1"))
+        }
+        ETD_ROUGH_CONDUCTOR | ETD_ROUGH_DIELECTRIC | ETD_ROUGH_PLASTIC
+            if !(1e-4..=10.0).contains(&m.alpha) =>
+        {
+            Err(bad("material: alpha must be 0.0001 to 10"))
+        }
+        ETD_PHONG if !(0.0..=1e5).contains(&m.exponent) => {
+            Err(bad("material: exponent must be 0 to 100000"))
         }
         ETD_DIELECTRIC => Ok(Model::Dielectric {
             ior: m.ior,
@@ -324,6 +419,39 @@ fn model(m: &EtdMaterial, scene: &Described) -> Result<Model, Trouble> {
             specular_transmittance: b,
             diffuse_reflectance: c,
             diffuse_transmittance: d,
+        }),
+        ETD_PHONG => Ok(Model::Phong {
+            diffuse_reflectance: a,
+            reflectance: b,
+            transmittance: c,
+            diffuse_transmittance: d,
+            exponent: m.exponent,
+            modified: true,
+            ior: m.ior,
+            fresnel: m.flags & ETD_FRESNEL != 0,
+        }),
+        ETD_ROUGH_CONDUCTOR => Ok(Model::RoughConductor {
+            eta: m.eta,
+            k: m.k,
+            reflectance: a,
+            facets,
+        }),
+        ETD_ROUGH_DIELECTRIC => Ok(Model::RoughDielectric {
+            ior: m.ior,
+            reflectance: a,
+            transmittance: b,
+            facets,
+        }),
+        ETD_PLASTIC | ETD_ROUGH_PLASTIC => Ok(Model::Plastic {
+            ior: m.ior,
+            diffuse_reflectance: a,
+            reflectance: b,
+            nonlinear: m.flags & ETD_NONLINEAR != 0,
+            facets: (m.kind == ETD_ROUGH_PLASTIC).then_some(facets),
+        }),
+        ETD_BLEND => Ok(Model::Blend {
+            parts: [part(m.parts[0], scene)?, part(m.parts[1], scene)?],
+            weight: a,
         }),
         _ => Err(bad("material: unknown kind")),
     }

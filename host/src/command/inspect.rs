@@ -58,6 +58,7 @@ fn contents(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
     let s = scene.sensor();
     let kind = match (s.kind, s.aperture > 0.0) {
         (sensor::ORTHOGRAPHIC, _) => "orthographic",
+        (sensor::PANORAMA, _) => "panorama",
         (_, true) => "thin lens",
         _ => "pinhole",
     };
@@ -92,8 +93,14 @@ fn contents(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
         "dielectric",
         "null",
         "sheet",
+        "Phong",
+        "rough conductor",
+        "rough dielectric",
+        "plastic",
+        "rough plastic",
+        "blend",
     ];
-    debug_assert_eq!(names.len() as u32, material::SHEET + 1);
+    debug_assert_eq!(names.len() as u32, material::BLEND + 1);
     writeln!(
         out,
         "materials   {}",

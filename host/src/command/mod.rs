@@ -3,8 +3,10 @@
 use crate::memory::about;
 use std::io::Write;
 
+mod bake;
 mod compare;
 mod compile;
+mod how;
 mod inspect;
 mod render;
 
@@ -34,6 +36,8 @@ impl From<crate::develop::ImageError> for Failure {
 pub enum Command {
     /// Render a scene to images
     Render(render::Render),
+    /// Bake a light map: irradiance on a mesh with texture coordinates
+    Bake(bake::Bake),
     /// Compile a scene to a blob that the kernel opens
     Compile(compile::Compile),
     /// Say what a scene or a blob holds, and what the kernel leaves out
@@ -50,12 +54,14 @@ impl Command {
     pub fn run(self) -> Result<(), Failure> {
         about(match &self {
             Self::Render(c) => &c.scene,
+            Self::Bake(c) => &c.scene,
             Self::Compile(c) => &c.scene,
             Self::Inspect(c) => &c.scene,
             Self::Compare(c) => &c.a,
         });
         match self {
             Self::Render(c) => c.run(),
+            Self::Bake(c) => c.run(),
             Self::Compile(c) => c.run(),
             Self::Inspect(c) => c.run(),
             Self::Compare(c) => c.run(),

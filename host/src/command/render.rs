@@ -1,11 +1,12 @@
 //! `etendue render`.
 
+use super::how::How;
 use super::{Failure, define, print, warn};
 use crate::develop::{Curve, Linear, Output, Tone, write};
 use crate::render::{Budget, Device, Options, Progress, Rendered, render};
 use crate::scene::{Size, prepare};
 use clap::ValueEnum;
-use etendue::{Estimator, Heuristic, Scene, Settings};
+use etendue::Scene;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -27,30 +28,20 @@ pub struct Render {
     /// Image to write: .exr or .hdr (linear), .png (tone-mapped, sRGB); may be repeated
     #[arg(short, long = "output", value_name = "OUT", required = true)]
     output: Vec<PathBuf>,
-    /// How light is estimated
-    #[arg(long, value_enum, default_value_t = EstimatorName::Path)]
-    estimator: EstimatorName,
-    /// How strategies share a path (multiple importance sampling)
-    #[arg(long, value_enum, default_value_t = HeuristicName::Power)]
-    mis: HeuristicName,
+    #[command(flatten)]
+    how: How,
     /// Samples per pixel [default: what the scene says, or 64]
     #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     spp: Option<u64>,
     /// Rendering time (500ms, 30s, 2m, 1h), without loading; ends with a whole pass over the image
     #[arg(long, value_name = "TIME", value_parser = duration)]
     time: Option<Duration>,
-    /// Selects the random numbers: the same seed gives the same bits
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
     /// Threads; the image doesn't depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     threads: Option<u32>,
     /// What renders; the image doesn't depend on it
     #[arg(long, value_enum, default_value_t = DeviceName::Cpu)]
     device: DeviceName,
-    /// Most edges of a path: 1 shows emitters, 2 adds direct light; -1 is no limit [default: what the scene says, or no limit]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-1..))]
-    max_depth: Option<i32>,
     /// Value for $NAME in the scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     define: Vec<(String, String)>,
@@ -79,28 +70,6 @@ pub struct Render {
     /// No progress, no summary
     #[arg(long)]
     quiet: bool,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum EstimatorName {
-    /// walk from the camera, lights sampled at each vertex
-    Path,
-    /// walk from the lights, vertices joined to the camera
-    Light,
-    /// both walks and all connections between them
-    Bidirectional,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum HeuristicName {
-    /// in proportion to the densities
-    Balance,
-    /// in proportion to their squares
-    Power,
-    /// balance among those within a tenth of the largest
-    Cutoff,
-    /// all to the largest
-    Maximum,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -161,18 +130,8 @@ impl Render {
             .spp
             .or(prepared.advice.samples.map(u64::from))
             .unwrap_or(DEFAULT_SAMPLES);
-        let max_edges = match self.max_depth {
-            Some(n) => u32::try_from(n).ok(),
-            None => prepared.advice.max_depth,
-        };
         let options = Options {
-            settings: Settings {
-                estimator: self.estimator.into(),
-                heuristic: self.mis.into(),
-                max_edges,
-                seed: self.seed,
-                ..Settings::default()
-            },
+            settings: self.how.settings(prepared.advice.max_depth),
             budget: self.time.map_or(Budget::Passes(samples), Budget::Time),
             threads: self.threads.unwrap_or(0) as usize,
             device: match self.device {
@@ -304,25 +263,4 @@ fn show(bar: &ProgressBar, p: Progress, elapsed: Duration) {
         p.passes,
         p.samples as f64 / seconds.max(1e-9) * 1e-6
     ));
-}
-
-impl From<EstimatorName> for Estimator {
-    fn from(name: EstimatorName) -> Self {
-        match name {
-            EstimatorName::Path => Self::Path,
-            EstimatorName::Light => Self::Light,
-            EstimatorName::Bidirectional => Self::Bidirectional,
-        }
-    }
-}
-
-impl From<HeuristicName> for Heuristic {
-    fn from(name: HeuristicName) -> Self {
-        match name {
-            HeuristicName::Balance => Self::Balance,
-            HeuristicName::Power => Self::Power,
-            HeuristicName::Cutoff => Self::Cutoff,
-            HeuristicName::Maximum => Self::Maximum,
-        }
-    }
 }

@@ -4,6 +4,7 @@ mod alias;
 pub mod bvh;
 mod emitters;
 mod geometry;
+mod glossy;
 mod media;
 mod surfaces;
 mod writer;

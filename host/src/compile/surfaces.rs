@@ -1,8 +1,10 @@
 //! Materials and textures.
 
+use super::glossy;
 use crate::description::{Color, ColorSource, Description, Model, Pattern, Texels, Wrap};
 use bytemuck::Zeroable;
 use etendue::blob::format::{self, Material, NONE, Texture, material, needs, texture};
+use etendue::surface::curve::Curve;
 
 /// Materials, textures and their texels, and what they make the scene need.
 #[derive(Default)]
@@ -21,8 +23,9 @@ impl Surfaces {
         for t in &d.textures {
             out.texture(&t.pattern, t.to_uv);
         }
-        for m in &d.materials {
-            let compiled = out.material(&m.model);
+        for (i, m) in d.materials.iter().enumerate() {
+            let mut compiled = out.material(&m.model);
+            compiled.level = level(d, i, 0);
             out.materials.push(compiled);
         }
         out
@@ -93,6 +96,15 @@ impl Surfaces {
             ColorSource::Constant(color) => self.constant(color),
             ColorSource::Texture(id) => id as u32,
         }
+    }
+
+    /// Appends a curve; its first word.
+    fn curve(&mut self, curve: Curve) -> u32 {
+        let first = self.texels.len() as u32;
+        let words = curve.0.as_chunks().0;
+        self.texels
+            .extend(words.iter().map(|&w| u32::from_le_bytes(w)));
+        first
     }
 
     fn material(&mut self, model: &Model) -> Material {
@@ -170,8 +182,110 @@ impl Surfaces {
                 }
                 self.needs |= needs::DIRAC | needs::TRANSMISSION;
             }
+            Model::Phong {
+                diffuse_reflectance,
+                reflectance,
+                transmittance,
+                diffuse_transmittance,
+                exponent,
+                modified,
+                ior,
+                fresnel,
+            } => {
+                m.kind = material::PHONG;
+                m.flags = if fresnel { material::FRESNEL } else { 0 };
+                m.ior = ior;
+                m.gloss = [exponent, glossy::normalization(exponent, modified)];
+                let roles = [
+                    diffuse_reflectance,
+                    reflectance,
+                    transmittance,
+                    diffuse_transmittance,
+                ];
+                for (role, source) in roles.into_iter().enumerate() {
+                    set(&mut m, role, source);
+                }
+                let black = ColorSource::Constant([0.0; 3]);
+                if transmittance != black || diffuse_transmittance != black {
+                    self.needs |= needs::TRANSMISSION;
+                }
+            }
+            Model::RoughConductor {
+                eta,
+                k,
+                reflectance,
+                facets,
+            } => {
+                m.kind = material::ROUGH_CONDUCTOR;
+                (m.eta, m.k) = (eta, k);
+                (m.flags, m.gloss) = (glossy::flags(&facets), facets.alpha);
+                set(&mut m, 0, reflectance);
+                if facets.compensated {
+                    m.color[1] = glossy::mean_reflectance(eta, k);
+                    m.link[0] = self.curve(glossy::conductor_loss(&m));
+                }
+            }
+            Model::RoughDielectric {
+                ior,
+                reflectance,
+                transmittance,
+                facets,
+            } => {
+                m.kind = material::ROUGH_DIELECTRIC;
+                (m.flags, m.gloss) = (glossy::flags(&facets), facets.alpha);
+                m.ior = ior;
+                set(&mut m, 0, reflectance);
+                set(&mut m, 1, transmittance);
+                if facets.compensated {
+                    m.link = glossy::dielectric_losses(&m).map(|c| self.curve(c));
+                }
+                self.needs |= needs::TRANSMISSION;
+            }
+            Model::Plastic {
+                ior,
+                diffuse_reflectance,
+                reflectance,
+                nonlinear,
+                facets,
+            } => {
+                m.kind = material::PLASTIC;
+                m.ior = ior;
+                set(&mut m, 0, diffuse_reflectance);
+                set(&mut m, 1, reflectance);
+                match facets {
+                    None => {
+                        m.internal = glossy::smooth_internal(ior);
+                        self.needs |= needs::DIRAC;
+                    }
+                    Some(facets) => {
+                        m.kind = material::ROUGH_PLASTIC;
+                        m.flags = glossy::flags(&facets) & !material::COMPENSATED;
+                        m.gloss = facets.alpha;
+                        let (entering, internal) = glossy::coat(&m, facets.compensated);
+                        m.internal = internal;
+                        m.link[0] = self.curve(entering);
+                    }
+                }
+                m.flags |= if nonlinear { material::NONLINEAR } else { 0 };
+            }
+            Model::Blend { parts, weight } => {
+                m.kind = material::BLEND;
+                m.link = parts.map(|p| p as u32);
+                set(&mut m, 0, weight);
+            }
         }
         m
+    }
+}
+
+/// Levels of blends within a material; one above what the kernel takes if they don't end, which it refuses.
+fn level(d: &Description, material: usize, depth: u32) -> u32 {
+    match d.materials.get(material).map(|m| &m.model) {
+        Some(Model::Blend { parts, .. }) if depth <= material::MAX_LEVEL => {
+            let below = parts.map(|p| level(d, p, depth + 1));
+            1 + below[0].max(below[1])
+        }
+        _ => 0,
     }
 }
 
@@ -187,6 +301,7 @@ pub(super) fn sensor(s: &crate::description::Sensor, medium: Option<usize>) -> f
         Projection::Orthographic { half_extent } => {
             (format::sensor::ORTHOGRAPHIC, half_extent, 0.0, 1.0)
         }
+        Projection::Panorama => (format::sensor::PANORAMA, [1.0; 2], 0.0, 1.0),
     };
     let (filter, filter_radius, filter_sigma) = match s.filter {
         Filter::Box { radius } => (format::sensor::BOX, radius, 0.0),

@@ -36,6 +36,11 @@ struct Job {
     first_sample: u64,
     first_pixel: u64,
     pixels: u64,
+    branching: [u8; 8],
+    lights: u32,
+    order: u32,
+    steps: u32,
+    depth_and_shift: u32,
 }
 
 fn failed(what: &'static str) -> impl Fn(DriverError) -> RenderError {
@@ -214,7 +219,7 @@ pub(super) fn render(
     watch: &(dyn Fn(Progress) + Sync),
 ) -> Result<Rendered, RenderError> {
     let settings = &options.settings;
-    let splats = settings.estimator != Estimator::Path;
+    let splats = settings.estimator.splats();
     let gpu = Gpu::new(scene, splats)?;
     let pixels = scene.size().map(u64::from).iter().product::<u64>();
     let mut job = Job {
@@ -222,6 +227,9 @@ pub(super) fn render(
             Estimator::Path => 0,
             Estimator::Light => 1,
             Estimator::Bidirectional => 2,
+            Estimator::Distributed => 3,
+            Estimator::Quadrature => 4,
+            Estimator::QuadratureAndPath => 5,
         },
         heuristic: match settings.heuristic {
             Heuristic::Balance => 0,
@@ -235,6 +243,11 @@ pub(super) fn render(
         first_sample: 0,
         first_pixel: 0,
         pixels,
+        branching: settings.tree.branching,
+        lights: settings.tree.lights.into(),
+        order: settings.rule.order.into(),
+        steps: settings.rule.steps.into(),
+        depth_and_shift: u32::from(settings.rule.depth) | u32::from(settings.rule.shift) << 16,
     };
     let started = Instant::now();
     let budget: Budget = options.budget;

@@ -1,19 +1,23 @@
 //! Renders on all cores. The image is a pure function of the scene, the settings and the number of passes:
 //! films add integers, so neither threads nor tiles matter.
 
+mod atlas;
+mod bake;
 mod budget;
 mod crew;
 #[cfg(feature = "cuda")]
 mod cuda;
 mod tiles;
 
+pub use atlas::AtlasError;
+pub use bake::{Bake, BakeError, Baked, bake};
 pub use budget::Budget;
 pub use crew::{Crew, Run};
 
 use crate::memory::attempt;
 use crew::each_once;
 use etendue::film::{Refused, Step, Sum, merge};
-use etendue::{Counters, Estimator, Scene, Scratch, Settings};
+use etendue::{Counters, Scene, Scratch, Settings};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -92,6 +96,9 @@ pub enum RenderError {
     /// The GPU, or its driver, isn't there or fails.
     #[error("{0}")]
     Gpu(String),
+    /// The scene has light that the estimator can't answer for.
+    #[error("{0}")]
+    Estimator(&'static str),
     /// The image's sums don't fit into memory.
     #[error("not enough memory for an image of {} × {} pixels", .size[0], .size[1])]
     TooLarge {
@@ -150,6 +157,7 @@ pub fn render(
     stop: &AtomicBool,
     watch: &(dyn Fn(Progress) + Sync),
 ) -> Result<Rendered, RenderError> {
+    accept(scene, &options.settings)?;
     if options.device == Device::Cuda {
         #[cfg(feature = "cuda")]
         return cuda::render(scene, options, stop, watch);
@@ -165,6 +173,14 @@ pub fn render(
     render_with(scene, settings, budget, crew, stop, watch)
 }
 
+/// Makes sure that the estimator can answer for the scene.
+fn accept(scene: &Scene<'_>, settings: &Settings) -> Result<(), RenderError> {
+    match settings.estimator.refuses(scene) {
+        Some(reason) => Err(RenderError::Estimator(reason)),
+        None => Ok(()),
+    }
+}
+
 /// The same on anybody's threads.
 ///
 /// # Errors
@@ -177,6 +193,7 @@ pub fn render_with(
     stop: &AtomicBool,
     watch: &(dyn Fn(Progress) + Sync),
 ) -> Result<Rendered, RenderError> {
+    accept(scene, &settings)?;
     let job = Job {
         scene,
         settings,
@@ -289,9 +306,10 @@ impl Job<'_> {
 
 impl Worker {
     fn new(job: &Job<'_>) -> Result<Self, RenderError> {
-        let splats = match job.settings.estimator {
-            Estimator::Path => Vec::new(),
-            _ => film(job.size)?,
+        let splats = if job.settings.estimator.splats() {
+            film(job.size)?
+        } else {
+            Vec::new()
         };
         Ok(Self {
             scratch: Box::new(Scratch::new()),

@@ -13,7 +13,7 @@ const ALIGN = 16; // of blobs, scenes, scratch and films
 const SUM_SIZE = 48; // of a pixel in a film: three integers of 128 bits
 
 /** The estimators, by the numbers of `etendue.h`. */
-export const ESTIMATORS = { path: 0, light: 1, bidirectional: 2 };
+export const ESTIMATORS = { path: 0, light: 1, bidirectional: 2, distributed: 3, quadrature: 4, "quadrature+path": 5 };
 
 /** The heuristics of multiple importance sampling. */
 export const HEURISTICS = { balance: 0, power: 1, cutoff: 2, maximum: 3 };
@@ -114,7 +114,8 @@ export class Scene {
 
     /**
      * The irradiance at a point, on the side of the normal: the mean of `samples` samples of element `id`, linear RGB.
-     * `settings` are those of `EtdSettings`, by name: estimator, heuristic, maxEdges, seed.
+     * `settings` are those of `EtdSettings`, by name: estimator, heuristic, maxEdges, seed;
+     * of distributed: branching, lightSamples; of quadrature: quadrature, steps, shift.
      */
     irradiance(position, normal, settings = {}) {
         return this.#probe(this.c.etd_estimate_irradiance, position, normal, settings);
@@ -135,9 +136,14 @@ export class Scene {
     }
 
     /** Writes an `EtdSettings`; returns where. */
-    #settings({ estimator = "path", heuristic = "power", maxEdges = -1, seed = 0 }) {
+    #settings({
+        estimator = "path", heuristic = "power", maxEdges = -1, seed = 0,
+        branching = [8, 4, 2, 1], lightSamples = 4, quadrature = 4, steps = 64, shift = false,
+    }) {
         const at = this.#small + 256;
-        this.#write(at).u32(24).u32(ESTIMATORS[estimator]).u32(HEURISTICS[heuristic]).u32(maxEdges).u64(seed);
+        this.#write(at).u32(48).u32(ESTIMATORS[estimator]).u32(HEURISTICS[heuristic]).u32(maxEdges).u64(seed);
+        this.#bytes(at + 24, 8).fill(0).set(branching);
+        this.#write(at + 32).u32(lightSamples).u32(quadrature).u32(steps).u32(shift ? 1 : 0);
         return at;
     }
 

@@ -291,8 +291,40 @@ pub mod material {
     /// Thin sheet: `color[0]` specular reflection, `color[1]` specular (straight) transmission,
     /// `color[2]` diffuse reflection, `color[3]` diffuse transmission; per channel their sum ≤ 1.
     pub const SHEET: u32 = 5;
+    /// Phong lobes: `color[0]` diffuse reflection, `color[1]` a lobe about the mirror direction, `color[2]` a lobe about the
+    /// refracted direction (`ior`), `color[3]` diffuse transmission; `gloss` is exponent and normalisation.
+    pub const PHONG: u32 = 6;
+    /// Rough conductor: as [`CONDUCTOR`], over microfacets of roughness `gloss`. [`COMPENSATED`]: `color[1]` is the mean of
+    /// Fresnel's reflectance over the hemisphere, `link[0]` a curve.
+    pub const ROUGH_CONDUCTOR: u32 = 7;
+    /// Rough dielectric: as [`DIELECTRIC`], over microfacets of roughness `gloss`. [`COMPENSATED`]: `link` are the curves of
+    /// what is lost of light from outside and from inside.
+    pub const ROUGH_DIELECTRIC: u32 = 8;
+    /// Diffuse `color[0]` under a smooth coat of index `ior`, `color[1]` scales the coat's reflection; `internal`.
+    pub const PLASTIC: u32 = 9;
+    /// The same under a coat of microfacets of roughness `gloss`; `link[0]` is the curve of what the coat lets in.
+    pub const ROUGH_PLASTIC: u32 = 10;
+    /// One of two materials, `link`: the second with probability `color[0]`'s first channel.
+    pub const BLEND: u32 = 11;
     /// Flag on a dielectric: Schlick's approximation in place of Fresnel's equations.
     pub const SCHLICK: u32 = 1;
+    /// Flag on [`PHONG`]: the lobes have Fresnel's shares of the light, by the angle at which it comes.
+    pub const FRESNEL: u32 = 1;
+    /// Flag on microfacets: Beckmann's distribution rather than GGX (Trowbridge & Reitz).
+    pub const BECKMANN: u32 = 1;
+    /// Flag on microfacets: Smith's masking of both directions independently, rather than correlated by height.
+    pub const SEPARABLE: u32 = 2;
+    /// Flag on [`ROUGH_CONDUCTOR`] and [`ROUGH_PLASTIC`]: masking by V-shaped cavities (Cook & Torrance 1982).
+    pub const CAVITIES: u32 = 4;
+    /// Flag on [`ROUGH_CONDUCTOR`] and [`ROUGH_DIELECTRIC`]: what single scattering loses is given back.
+    pub const COMPENSATED: u32 = 8;
+    /// Flag on plastics: light that the coat sends back takes the base's colour again each time.
+    pub const NONLINEAR: u32 = 16;
+    /// Numbers of a curve, a byte each from 0 to 1, four to a word of [`section::TEXELS`](super::section::TEXELS), the first
+    /// lowest: a function of cos θ at (i/15)², linear in √cos θ between.
+    pub const CURVE: usize = 16;
+    /// The highest `level` of a blend.
+    pub const MAX_LEVEL: u32 = 8;
 }
 
 /// A local model: its kind, its colours (each a constant times an optional texture) and numbers.
@@ -303,7 +335,7 @@ pub struct Material {
     pub kind: u32,
     /// Its flags.
     pub flags: u32,
-    /// dielectric: relative index of refraction, inside over outside, > 0.
+    /// dielectrics, coats, Phong's refraction: relative index of refraction, inside over outside, > 0.
     pub ior: f32,
     /// Zero.
     pub reserved: u32,
@@ -315,8 +347,14 @@ pub struct Material {
     pub eta: [f32; 3],
     /// conductor: imaginary part, per channel, ≥ 0.
     pub k: [f32; 3],
-    /// Zero.
-    pub reserved2: [u32; 6],
+    /// Microfacets: roughness α along both tangents. Phong: exponent n and normalisation, (n + 1)/2π or (n + 2)/2π.
+    pub gloss: [f32; 2],
+    /// plastics: how much of diffuse light the coat reflects back inside, < 1.
+    pub internal: f32,
+    /// blend: its two materials. Curves: their first word in [`section::TEXELS`].
+    pub link: [u32; 2],
+    /// blend: above the level of a blend that is a part of it, from 1 to [`material::MAX_LEVEL`]; otherwise 0.
+    pub level: u32,
 }
 
 /// Texture kinds and flags.
@@ -461,6 +499,9 @@ pub mod sensor {
     pub const PERSPECTIVE: u32 = 0;
     /// Parallel rays.
     pub const ORTHOGRAPHIC: u32 = 1;
+    /// All directions around a point, lat-long: forward in the middle, right at three quarters, up at the top row; columns are equal
+    /// steps of longitude, rows equal steps of the angle from up. `right`, `down` and `forward` are perpendicular.
+    pub const PANORAMA: u32 = 2;
     /// Filter: 1 within the pixel (times 2·radius).
     pub const BOX: u32 = 0;
     /// Filter: a pyramid of half-width `filter_radius`.
@@ -487,13 +528,13 @@ pub struct Sensor {
     pub crop_offset: [u32; 2],
     /// Crop window: columns and rows, ≥ 1: the image.
     pub crop_size: [u32; 2],
-    /// Perspective: tangents of the half-angles of the full image in x and y. Orthographic: its half-extents.
+    /// Perspective: tangents of the half-angles of the full image in x and y. Orthographic: its half-extents. Panorama: not read.
     pub half_extent: [f32; 2],
     /// Thin lens: its radius.
     pub aperture: f32,
     /// Thin lens: distance to the plane in focus, along the axis.
     pub focus: f32,
-    /// Nearest and farthest depth along the axis that the sensor sees.
+    /// Nearest and farthest depth that the sensor sees: along the axis, by a panorama from its centre.
     pub clip: [f32; 2],
     /// Centre of projection.
     pub origin: [f32; 3],
@@ -506,7 +547,7 @@ pub struct Sensor {
     /// Medium it stands in; [`NONE`]: vacuum.
     pub medium: u32,
     /// Shift of the film in units of the full image's width and height: film point x looks where x + `principal`
-    /// would without it.
+    /// would without it. Panorama: not read.
     pub principal: [f32; 2],
     /// Zero.
     pub reserved: [u32; 1],

@@ -10,12 +10,13 @@ use super::scene::{EtdScene, scene};
 use super::scratch::{EtdScratch, scratch};
 use super::settings::{EtdSettings, settings};
 use super::status::{
-    ETD_E_ARGUMENT, ETD_E_CANCELLED, ETD_E_SIZE, ETD_E_SPLAT, EtdStatus, status_of,
+    ETD_E_ARGUMENT, ETD_E_CANCELLED, ETD_E_SIZE, ETD_E_SPLAT, ETD_E_UNSUPPORTED, EtdStatus,
+    status_of,
 };
 use crate::blob::Scene;
 #[cfg(feature = "capi")]
 use crate::estimate::estimate_with;
-use crate::estimate::{Estimator, ScratchView, Settings, pixel_id};
+use crate::estimate::{ScratchView, Settings, pixel_id};
 use crate::film::{Refused, Step};
 use crate::sensor::Element;
 use crate::spectrum::Rgb;
@@ -59,9 +60,13 @@ impl Call<'_> {
         hooks: *const EtdHooks,
         memory: *mut EtdScratch,
     ) -> Result<Self, EtdStatus> {
+        let (scene, settings) = (scene(handle)?, settings(with)?);
+        if settings.estimator.refuses(scene).is_some() {
+            return Err(ETD_E_UNSUPPORTED);
+        }
         Ok(Self {
-            scene: scene(handle)?,
-            settings: settings(with)?,
+            scene,
+            settings,
             hooks: optional(hooks)?.unwrap_or(EtdHooks::NONE).check()?,
             scratch: scratch(memory)?,
             _control: Control::set(),
@@ -70,7 +75,7 @@ impl Call<'_> {
 
     /// Whether samples of pixels add to other pixels.
     fn splats(&self) -> bool {
-        self.settings.estimator != Estimator::Path
+        self.settings.estimator.splats()
     }
 
     fn needs_splat(&self) -> Result<(), EtdStatus> {

@@ -27,7 +27,7 @@ pub mod status;
 
 // What the header asserts of C's side.
 const _: () = assert!(
-    size_of::<settings::EtdSettings>() == 24
+    size_of::<settings::EtdSettings>() == 48
         && size_of::<estimate::EtdTile>() == 32
         && size_of::<estimate::EtdSamples>() == 24
         && size_of::<scratch::EtdCounters>() == 56

@@ -2,7 +2,7 @@
 
 use super::arguments::{Sized32, input};
 use super::status::{ETD_E_ARGUMENT, ETD_E_MISALIGNED, ETD_E_NULL, EtdStatus, status_of};
-use crate::estimate::{Estimator, Settings};
+use crate::estimate::{Estimator, Rule, Settings, Tree};
 use crate::path::Heuristic;
 
 /// A walk from the sensor, with a light sampled at each vertex.
@@ -11,6 +11,13 @@ pub const ETD_PATH: u32 = 0;
 pub const ETD_LIGHT: u32 = 1;
 /// Both walks and all connections between them. Reports splats.
 pub const ETD_BIDIRECTIONAL: u32 = 2;
+/// Ray trees to a stated depth (`branching`); longer paths are left out.
+pub const ETD_DISTRIBUTED: u32 = 3;
+/// Direct light and single scattering by quadrature (`quadrature`, `steps`); all other light is left out. Scenes with
+/// environments, constant backgrounds or glowing media: `ETD_E_UNSUPPORTED`.
+pub const ETD_QUADRATURE: u32 = 4;
+/// The same, and what it leaves out by path tracing.
+pub const ETD_QUADRATURE_AND_PATH: u32 = 5;
 
 /// Weights in proportion to densities.
 pub const ETD_BALANCE: u32 = 0;
@@ -27,7 +34,7 @@ pub const ETD_MAXIMUM: u32 = 3;
 pub struct EtdSettings {
     /// sizeof(EtdSettings).
     pub struct_size: u32,
-    /// `ETD_PATH`, `ETD_LIGHT` or `ETD_BIDIRECTIONAL`.
+    /// `ETD_PATH`, `ETD_LIGHT`, `ETD_BIDIRECTIONAL`, `ETD_DISTRIBUTED`, `ETD_QUADRATURE` or `ETD_QUADRATURE_AND_PATH`.
     pub estimator: u32,
     /// `ETD_BALANCE`, `ETD_POWER`, `ETD_CUTOFF` or `ETD_MAXIMUM`.
     pub heuristic: u32,
@@ -35,6 +42,17 @@ pub struct EtdSettings {
     pub max_edges: i32,
     /// Selects the random numbers.
     pub seed: u64,
+    /// `ETD_DISTRIBUTED`: rays that go on from a vertex, by level, up to the first 0; paths have at most an edge more than there are
+    /// levels. The scratch's capacity bounds the levels as well.
+    pub branching: [u8; 8],
+    /// `ETD_DISTRIBUTED`: samples of lights at each vertex, 1 to 255.
+    pub light_samples: u32,
+    /// Quadrature: nodes of the Gauss–Legendre rule in each direction across an emitting triangle or sphere, 1 to 8.
+    pub quadrature: u32,
+    /// Quadrature: steps of the trapezoid rule along a way through a medium, 1 to 65535.
+    pub steps: u32,
+    /// Quadrature: not 0: equal steps shifted at random in place of these rules, without bias.
+    pub shift: u32,
 }
 
 // SAFETY: repr(C), the size first, numbers only.
@@ -50,6 +68,7 @@ pub unsafe extern "C" fn etd_settings_default(settings: *mut EtdSettings) -> Etd
         if !settings.is_aligned() {
             return Err(ETD_E_MISALIGNED);
         }
+        let (tree, rule) = (Tree::default(), Rule::default());
         // SAFETY: not null and aligned; the caller's to give.
         unsafe {
             settings.write(EtdSettings {
@@ -58,6 +77,11 @@ pub unsafe extern "C" fn etd_settings_default(settings: *mut EtdSettings) -> Etd
                 heuristic: ETD_POWER,
                 max_edges: -1,
                 seed: 0,
+                branching: tree.branching,
+                light_samples: tree.lights.into(),
+                quadrature: rule.order.into(),
+                steps: rule.steps.into(),
+                shift: rule.shift.into(),
             });
         }
         Ok(())
@@ -77,6 +101,18 @@ pub(super) fn settings(pointer: *const EtdSettings) -> Result<Settings, EtdStatu
             ETD_BIDIRECTIONAL => Estimator::Bidirectional,
             #[cfg(not(feature = "bidirectional"))]
             ETD_BIDIRECTIONAL => return Err(super::status::ETD_E_UNSUPPORTED),
+            #[cfg(feature = "distributed")]
+            ETD_DISTRIBUTED => Estimator::Distributed,
+            #[cfg(not(feature = "distributed"))]
+            ETD_DISTRIBUTED => return Err(super::status::ETD_E_UNSUPPORTED),
+            #[cfg(feature = "quadrature")]
+            ETD_QUADRATURE => Estimator::Quadrature,
+            #[cfg(feature = "quadrature")]
+            ETD_QUADRATURE_AND_PATH => Estimator::QuadratureAndPath,
+            #[cfg(not(feature = "quadrature"))]
+            ETD_QUADRATURE | ETD_QUADRATURE_AND_PATH => {
+                return Err(super::status::ETD_E_UNSUPPORTED);
+            }
             _ => return Err(ETD_E_ARGUMENT),
         },
         heuristic: match s.heuristic {
@@ -91,8 +127,27 @@ pub(super) fn settings(pointer: *const EtdSettings) -> Result<Settings, EtdStatu
             n => Some(u32::try_from(n).map_err(|_| ETD_E_ARGUMENT)?),
         },
         seed: s.seed,
+        tree: Tree {
+            branching: s.branching,
+            lights: within(s.light_samples, 1, u8::MAX.into())? as u8,
+        },
+        rule: Rule {
+            order: within(s.quadrature, 1, Rule::MAX_ORDER.into())? as u8,
+            steps: within(s.steps, 1, u16::MAX.into())? as u16,
+            shift: s.shift != 0,
+            ..Rule::default()
+        },
         explicit_weights: false,
     })
+}
+
+/// A number in its range.
+fn within(x: u32, least: u32, most: u32) -> Result<u32, EtdStatus> {
+    if (least..=most).contains(&x) {
+        Ok(x)
+    } else {
+        Err(ETD_E_ARGUMENT)
+    }
 }
 
 impl EtdSettings {

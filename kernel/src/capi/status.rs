@@ -20,7 +20,7 @@ pub const ETD_E_ABI: i32 = 4;
 pub const ETD_E_ARGUMENT: i32 = 5;
 /// The caller's `cancelled` said so.
 pub const ETD_E_CANCELLED: i32 = 6;
-/// This build of the library doesn't have it.
+/// This build of the library, or this estimator, doesn't have it.
 pub const ETD_E_UNSUPPORTED: i32 = 7;
 /// A handle was not made by this library, or its memory has been overwritten.
 pub const ETD_E_HANDLE: i32 = 8;
@@ -96,7 +96,7 @@ fn text(status: EtdStatus) -> &'static CStr {
         ETD_E_ABI => c"the caller was compiled with another version's header",
         ETD_E_ARGUMENT => c"a number is outside its range",
         ETD_E_CANCELLED => c"the caller cancelled it",
-        ETD_E_UNSUPPORTED => c"this build of the library doesn't have it",
+        ETD_E_UNSUPPORTED => c"this build of the library, or this estimator, doesn't have it",
         ETD_E_HANDLE => c"a handle was not made by this library, or was overwritten",
         ETD_E_SPLAT => c"the estimator reports splats, and there is no splat function",
         ETD_E_BLOB_MISALIGNED => c"the blob's address is not a multiple of 16",

@@ -203,6 +203,17 @@ pub(super) fn place(scene: &Scene<'_>, primitive: u32, xi: [Real; 2]) -> Option<
     })
 }
 
+/// Of a triangle or a sphere.
+pub(super) fn of_primitive(scene: &Scene<'_>, primitive: u32) -> Real {
+    if let Some(s) = scene.sphere(primitive) {
+        return area(s);
+    }
+    let Some([p0, p1, p2]) = scene.corners(primitive) else {
+        return 0.0;
+    };
+    0.5 * (p1 - p0).cross(p2 - p0).length()
+}
+
 #[inline(always)]
 fn area(s: &Sphere) -> Real {
     4.0 * PI * square(Real::from(s.radius))

@@ -25,7 +25,7 @@ pub use choice::pick_choice;
 pub use distant::background;
 
 use crate::blob::Scene;
-use crate::blob::format::{Emitter, emitter as kind};
+use crate::blob::format::{Choice, Emitter, emitter as kind};
 use crate::real::{INV_PI, Real, Vec3, square, vec3};
 use crate::spectrum::Spectrum;
 
@@ -85,6 +85,25 @@ pub struct Emission<S> {
     pub volume: bool,
 }
 
+/// The emitter that shape `id` is.
+#[inline(always)]
+pub fn on<'a>(scene: &Scene<'a>, id: u32) -> Option<&'a Emitter> {
+    scene.emitter(scene.shape(id)?.emitter)
+}
+
+/// The probability of choosing `entry`.
+pub fn probability(scene: &Scene<'_>, entry: &Choice) -> Real {
+    let Some(emitter) = scene.emitter(entry.emitter) else {
+        return 0.0;
+    };
+    let density = Real::from(emitter.density);
+    if emitter.kind == kind::AREA {
+        density * area::of_primitive(scene, entry.primitive)
+    } else {
+        density
+    }
+}
+
 /// Draws light that arrives at `y`.
 #[inline]
 pub fn incident<S: Spectrum>(
@@ -94,7 +113,18 @@ pub fn incident<S: Spectrum>(
     xi: [Real; 2],
     more: [Real; 2],
 ) -> Option<Incident<S>> {
-    let entry = pick_choice(scene.choices(), choice)?;
+    incident_from(scene, pick_choice(scene.choices(), choice)?, y, xi, more)
+}
+
+/// The same from the emitter, or the emitting primitive, that `entry` names.
+#[inline]
+pub fn incident_from<S: Spectrum>(
+    scene: &Scene<'_>,
+    entry: &Choice,
+    y: Vec3,
+    xi: [Real; 2],
+    more: [Real; 2],
+) -> Option<Incident<S>> {
     let emitter = scene.emitter(entry.emitter)?;
     match emitter.kind {
         kind::AREA => area::incident(scene, emitter, entry.primitive, y, xi),

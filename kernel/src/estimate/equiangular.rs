@@ -3,6 +3,7 @@
 //! there and drawing a point of the light, and with flying there and meeting the light (`transport.md` §7).
 
 use super::Settings;
+use super::path::Wanted;
 use super::share::{Strategy, share};
 use crate::blob::format::needs;
 use crate::emitter::{self, Incident};
@@ -49,6 +50,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     count: u32,
     throughput: K::S,
     sampler: &mut P,
+    paths: &impl Wanted,
 ) -> K::S {
     let mut found = || {
         let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
@@ -57,7 +59,9 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         let t = angles.sample(sampler.one(Purpose::Flight))?;
         let y = leg.ray.origin + leg.ray.direction * t;
         let light: Incident<K::S> = source.shine(trace.scene, y)?;
-        Some((light, t, y, angles.pdf(t)))
+        paths
+            .lit(&light, true)
+            .then(|| (light, t, y, angles.pdf(t)))
     };
     let Some((light, t, y, by_angle)) = found() else {
         return K::S::BLACK;

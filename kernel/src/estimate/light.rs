@@ -7,7 +7,7 @@ use crate::emitter::{self, Emission};
 use crate::path::{Arrival, Instance, Joint, Trace, Vertex, Walk, joined, source_facing};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::Real;
-use crate::sensor::{Element, Footprint, Projection};
+use crate::sensor::{Element, Projection, each_pixel};
 use crate::shape::{Ray, Tracer};
 use crate::spectrum::Spectrum;
 use crate::surface::Mode;
@@ -205,9 +205,9 @@ pub(super) fn spread<S: Spectrum>(
     match element {
         Element::Pixel(_) => {
             let value = value * (1.0 / element.light_paths(scene));
-            let sensor = scene.sensor();
-            Footprint::around(sensor, raster)
-                .for_each(sensor, |pixel, filter| splat(pixel, value * filter));
+            each_pixel(scene.sensor(), raster, |pixel, filter| {
+                splat(pixel, value * filter);
+            });
         }
         _ => *own += value,
     }

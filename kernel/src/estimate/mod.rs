@@ -5,11 +5,21 @@
 
 #[cfg(feature = "bidirectional")]
 mod bidirectional;
+#[cfg(feature = "distributed")]
+mod distributed;
 mod equiangular;
 #[cfg(feature = "light")]
 mod light;
+mod patch;
 mod path;
+mod plan;
+#[cfg(feature = "quadrature")]
+mod quadrature;
+#[cfg(feature = "quadrature")]
+mod rule;
 mod share;
+
+pub use plan::{LEVELS, Rule, Tree};
 
 use crate::blob::Scene;
 use crate::blob::format::NONE;
@@ -40,6 +50,51 @@ pub enum Estimator {
     /// Both walks and all connections between them (Lafortune & Willems 1993, Veach 1997).
     #[cfg(feature = "bidirectional")]
     Bidirectional,
+    /// Ray trees to a stated depth ([`Tree`]); longer paths are left out (Whitted 1980, Cook 1984).
+    #[cfg(feature = "distributed")]
+    Distributed,
+    /// Direct light and single scattering by quadrature ([`Rule`]); all other light is left out.
+    #[cfg(feature = "quadrature")]
+    Quadrature,
+    /// The same, and what it leaves out by [`Estimator::Path`].
+    #[cfg(feature = "quadrature")]
+    QuadratureAndPath,
+}
+
+impl Estimator {
+    /// Whether samples of pixels add to other pixels.
+    pub const fn splats(self) -> bool {
+        match self {
+            #[cfg(feature = "light")]
+            Self::Light => true,
+            #[cfg(feature = "bidirectional")]
+            Self::Bidirectional => true,
+            _ => false,
+        }
+    }
+
+    /// Whether direct light comes from a rule.
+    const fn is_quadrature(self) -> bool {
+        match self {
+            #[cfg(feature = "quadrature")]
+            Self::Quadrature | Self::QuadratureAndPath => true,
+            _ => false,
+        }
+    }
+
+    /// What of a scene this estimator can't answer for, in words; `None` if there is nothing.
+    pub fn refuses(self, scene: &Scene<'_>) -> Option<&'static str> {
+        match self {
+            #[cfg(feature = "quadrature")]
+            Self::Quadrature if quadrature::leaves_out_a_light(scene) => Some(
+                "quadrature makes no light of environments, constant backgrounds and glowing media: choose quadrature+path",
+            ),
+            _ => {
+                let _ = scene;
+                None
+            }
+        }
+    }
 }
 
 /// What is the same for all samples of a render.
@@ -53,6 +108,10 @@ pub struct Settings {
     pub max_edges: Option<u32>,
     /// Selects the random numbers.
     pub seed: u64,
+    /// How [`Estimator::Distributed`] branches.
+    pub tree: Tree,
+    /// How fine [`Estimator::Quadrature`] is.
+    pub rule: Rule,
     /// Weights always by the explicit ratio walk: slower, the same to rounding. For tests.
     pub explicit_weights: bool,
 }
@@ -65,7 +124,8 @@ impl Settings {
 }
 
 /// Memory that an estimate works in, owned by the caller: `N` bounds the light walk's vertices (strategies
-/// with more don't exist), not the length of paths.
+/// with more don't exist), not the length of paths. It bounds the depth of [`Estimator::Distributed`]'s trees, too, and how many Dirac
+/// lobes [`Estimator::Quadrature`] follows one after the other.
 #[derive(Clone)]
 pub struct Scratch<const N: usize = 32, S: Spectrum = Rgb> {
     light: heapless::Vec<Vertex<S>, N>,
@@ -273,7 +333,7 @@ fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
     let mut rejected = 0;
-    let value: K::S = {
+    let mut value: K::S = {
         #[cfg_attr(not(feature = "light"), allow(unused_variables))]
         let splat = &mut |pixel, value: K::S| match accept(value) {
             Some(v) => splat(pixel, v),
@@ -288,10 +348,35 @@ fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
             (Estimator::Bidirectional, _) => {
                 bidirectional::estimate(&mut trace, settings, element, sampler, scratch, splat)
             }
+            #[cfg(feature = "distributed")]
+            (Estimator::Distributed, _) => {
+                distributed::estimate(&mut trace, settings, element, sampler, scratch)
+            }
+            #[cfg(feature = "quadrature")]
+            (Estimator::Quadrature, _) => {
+                quadrature::estimate(&mut trace, settings, element, sampler, scratch)
+            }
+            #[cfg(feature = "quadrature")]
+            (Estimator::QuadratureAndPath, _) => {
+                quadrature::and_path(&mut trace, settings, element, sampler, scratch)
+            }
             // No light walk meets a ray.
-            _ => path::estimate(&mut trace, settings, element, sampler),
+            _ => path::estimate(
+                &mut trace,
+                settings,
+                element,
+                sampler,
+                &mut path::Everything,
+            ),
         }
     };
+    if let Element::Irradiance { position, normal } = *element
+        && settings.limit() > 0
+        && !settings.estimator.is_quadrature()
+    {
+        let medium = surroundings(&mut trace, element);
+        value += patch::direct(&mut trace, position, normal, medium, sampler);
+    }
     let value = accept(value);
     trace.counters.rejected += rejected + u64::from(value.is_none());
     *scratch.counters += trace.counters;

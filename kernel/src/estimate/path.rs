@@ -5,7 +5,7 @@
 use super::share::{Strategy, share};
 use super::{Settings, equiangular};
 use crate::blob::format::NONE;
-use crate::emitter;
+use crate::emitter::{self, Incident};
 use crate::path::{Arrival, Instance, Leg, Trace, Walk, joined};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Vec3, square};
@@ -14,6 +14,38 @@ use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
 use crate::surface::Mode;
 
+/// Which paths are wanted, where another estimator makes the others.
+pub(super) trait Wanted {
+    /// What glows on the way that the walk has come.
+    fn glow(&self) -> bool;
+    /// The light that the walk has met, if `distant` behind all surfaces.
+    fn met(&self, distant: bool) -> bool;
+    /// A light drawn at the vertex where the walk is, in a volume or not.
+    fn lit<S>(&self, light: &Incident<S>, in_volume: bool) -> bool;
+    /// The walk has left a vertex.
+    fn left(&mut self, dirac: bool, in_volume: bool);
+}
+
+/// All paths.
+pub(super) struct Everything;
+
+impl Wanted for Everything {
+    #[inline(always)]
+    fn glow(&self) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn met(&self, _: bool) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn lit<S>(&self, _: &Incident<S>, _: bool) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn left(&mut self, _: bool, _: bool) {}
+}
+
 /// One sample.
 #[inline(always)]
 pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
@@ -21,6 +53,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
+    wanted: &mut impl Wanted,
 ) -> K::S {
     let limit = settings.limit();
     let mut radiance = K::S::BLACK;
@@ -39,12 +72,15 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         let before = walk.throughput;
         let arrival = walk.arrive(trace, sampler, &mis);
         if K::MEDIA {
-            // What glows on the way, by its integral along the line: no other strategy makes it.
-            radiance += walk.glow;
+            if wanted.glow() {
+                // What glows on the way, by its integral along the line: no other strategy makes it.
+                radiance += walk.glow;
+            }
             if let Some((leg, count)) = walk.drawn
                 && walk.edges < limit
             {
-                radiance += equiangular::estimate(trace, settings, &leg, count, before, sampler);
+                radiance +=
+                    equiangular::estimate(trace, settings, &leg, count, before, sampler, wanted);
             }
         }
         // How a walk would have come here: by its direction, and through the media on the way.
@@ -52,8 +88,9 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         let (vertex, distance) = match arrival {
             Arrival::Vertex(vertex, distance) => (vertex, distance),
             Arrival::Escaped(_) => {
-                if let Some((background, density)) =
-                    emitter::background::<K::S>(scene, walk.ray.direction)
+                if wanted.met(true)
+                    && let Some((background, density)) =
+                        emitter::background::<K::S>(scene, walk.ray.direction)
                 {
                     let weight = if from.is_some() {
                         let rivals = [
@@ -71,9 +108,8 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
             Arrival::Cut => break,
         };
         // s = 0.
-        if let Some(e) = scene
-            .shape(vertex.point.shape)
-            .and_then(|s| scene.emitter(s.emitter))
+        if wanted.met(false)
+            && let Some(e) = emitter::on(scene, vertex.point.shape)
         {
             let emitted = emitter::radiance::<K::S>(e, &vertex.point, vertex.previous);
             if !emitted.is_black() {
@@ -105,6 +141,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         if walk.edges >= limit {
             break;
         }
+        let in_volume = K::MEDIA && vertex.scattering.is_some();
         let leg = walk
             .leg
             .filter(|_| vertex.scattering.is_some() && equiangular::wanted(trace));
@@ -116,6 +153,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
                 emitter::incident::<K::S>(scene, vertex.point.position, choice, xi, more)
                 // What glows is met on the way.
                 && light.medium == NONE
+                && wanted.lit(&light, in_volume)
                 && let Some(joint) = vertex.join::<K>(scene, light.direction, Mode::Radiance)
             {
                 let sight = trace.sees(&vertex, light.direction, light.end, sampler);
@@ -141,9 +179,10 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
                 }
             }
         }
-        if walk.leave(trace, &vertex, sampler).is_none() {
+        let Some(step) = walk.leave(trace, &vertex, sampler) else {
             break;
-        }
+        };
+        wanted.left(step.dirac, in_volume);
         from = (!walk.dirac()).then_some((vertex.point.position, leg));
     }
     radiance

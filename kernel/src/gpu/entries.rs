@@ -4,6 +4,7 @@
 #![allow(unsafe_code)] // device memory that the host owns, special registers
 
 use super::sums::contribute;
+use crate::estimate::{Rule, Tree};
 use crate::film::{Refused, Step};
 use crate::{Estimator, Heuristic, Scene, Scratch, Settings};
 use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x};
@@ -16,7 +17,7 @@ const CAPACITY: usize = 32;
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Job {
-    /// 0 path, 1 light, 2 bidirectional.
+    /// 0 path, 1 light, 2 bidirectional, 3 distributed, 4 quadrature, 5 quadrature and path.
     pub estimator: u32,
     /// 0 balance, 1 power, 2 cutoff, 3 maximum.
     pub heuristic: u32,
@@ -32,6 +33,16 @@ pub struct Job {
     pub first_pixel: u64,
     /// Pixels of this launch.
     pub pixels: u64,
+    /// distributed: [`crate::estimate::Tree::branching`].
+    pub branching: [u8; 8],
+    /// distributed: [`crate::estimate::Tree::lights`].
+    pub lights: u32,
+    /// Quadrature: [`crate::estimate::Rule`], its `shift` as 0 or 1.
+    pub order: u32,
+    /// Its steps.
+    pub steps: u32,
+    /// Its depth in the lower half, its shift in the upper.
+    pub depth_and_shift: u32,
 }
 
 /// Checks the blob and writes a scene. Run by one thread. `status` becomes 1 if it is a scene, 2 if not.
@@ -95,7 +106,10 @@ pub unsafe extern "ptx-kernel" fn etd_render(
         estimator: match job.estimator {
             0 => Estimator::Path,
             1 => Estimator::Light,
-            _ => Estimator::Bidirectional,
+            2 => Estimator::Bidirectional,
+            3 => Estimator::Distributed,
+            4 => Estimator::Quadrature,
+            _ => Estimator::QuadratureAndPath,
         },
         heuristic: match job.heuristic {
             0 => Heuristic::Balance,
@@ -105,6 +119,16 @@ pub unsafe extern "ptx-kernel" fn etd_render(
         },
         max_edges: (job.max_edges != u32::MAX).then_some(job.max_edges),
         seed: job.seed,
+        tree: Tree {
+            branching: job.branching,
+            lights: job.lights as u8,
+        },
+        rule: Rule {
+            order: job.order as u8,
+            steps: job.steps as u16,
+            depth: job.depth_and_shift as u8,
+            shift: job.depth_and_shift >> 16 != 0,
+        },
         explicit_weights: false,
     };
     let step = Step::new(scene.film_exponent());

@@ -19,8 +19,7 @@ pub(super) fn fly<S: Spectrum>(
     let sigma = S::from_rgb(m.sigma_t);
     let emission = S::from_rgb(m.emission);
     if !emission.is_black() {
-        let shine = emission.zip(sigma, |e, sigma| e * saturation(sigma, length));
-        *glow += carried.throughput * shine;
+        *glow += carried.throughput * shine::<S>(m, length);
     }
     let leading = sigma.channel(lead);
     // In a vacuum nobody collides.
@@ -43,6 +42,13 @@ pub(super) fn fly<S: Spectrum>(
     let f = sigma.map(|sigma| fade(sigma, length));
     carried.draw(f, f);
     Flight::Through
+}
+
+/// ∫E·τ over `length`, which may be infinite.
+#[inline(always)]
+pub(super) fn shine<S: Spectrum>(m: &Medium, length: Real) -> S {
+    let sigma = S::from_rgb(m.sigma_t);
+    S::from_rgb(m.emission).zip(sigma, |e, sigma| e * saturation(sigma, length))
 }
 
 /// τ over `length`, which may be infinite.

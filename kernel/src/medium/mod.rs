@@ -125,6 +125,57 @@ impl<'a> Way<'_, 'a> {
         }
     }
 
+    /// τ over the way, without random numbers: in closed form, or by regular tracking.
+    pub fn exact<S: Spectrum>(&self) -> S {
+        if self.medium.kind == medium::HOMOGENEOUS {
+            return homogeneous::transmittance(self.medium, self.length());
+        }
+        self.passage().map_or(S::WHITE, |p| p.exact_transmittance())
+    }
+
+    /// From which distance to which there may be anything on the way.
+    pub fn extent(&self) -> Option<(Real, Real)> {
+        if self.medium.kind == medium::HOMOGENEOUS {
+            return Some((0.0, self.length()));
+        }
+        let p = self.passage()?;
+        Some((p.line.start, p.line.end))
+    }
+
+    /// E at `t`.
+    pub fn emission<S: Spectrum>(&self, t: Real) -> S {
+        if self.medium.kind == medium::HOMOGENEOUS {
+            return S::from_rgb(self.medium.emission);
+        }
+        match self.passage() {
+            Some(p) => p.emission(t, p.sigma::<S>(t)),
+            None => S::BLACK,
+        }
+    }
+
+    /// ∫E·τ over the way in closed form; `None` where there is none.
+    pub fn shine<S: Spectrum>(&self) -> Option<S> {
+        if self.medium.kind == medium::HOMOGENEOUS {
+            return Some(homogeneous::shine(self.medium, self.length()));
+        }
+        self.medium
+            .emission
+            .iter()
+            .all(|&e| e <= 0.0)
+            .then_some(S::BLACK)
+    }
+
+    /// The part of the way from distance `a` to `b`.
+    #[must_use]
+    pub fn between(&self, a: Real, b: Real) -> Self {
+        let ray = Ray {
+            origin: self.ray.origin + self.ray.direction * a,
+            t_max: (b - a).max(0.0),
+            ..self.ray
+        };
+        Self { ray, ..*self }
+    }
+
     /// σ_t and σ_s at `t`.
     pub fn matter<S: Spectrum>(&self, t: Real) -> (S, S) {
         if self.medium.kind == medium::HOMOGENEOUS {

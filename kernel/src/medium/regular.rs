@@ -45,7 +45,7 @@ impl Passage<'_> {
             }
         }
         if matches!(flight, Flight::Through) {
-            let f = relative(depth, lead);
+            let f = relative(depth, lead, target);
             carried.draw(f, f);
         }
         flight
@@ -119,7 +119,7 @@ impl Passage<'_> {
         // What rounding has put into a vacuum will be black by its σ_s.
         let sigma: S = self.sigma(t);
         let inverse = 1.0 / sigma.channel(lead).max(THINNEST);
-        let f = relative(depth + self.depth(cell.start, t), lead) * inverse;
+        let f = relative(depth + self.depth(cell.start, t), lead, target) * inverse;
         carried.draw(f, f * sigma);
         Flight::Collided(Collision {
             t,
@@ -154,9 +154,9 @@ impl Passage<'_> {
     }
 }
 
-/// e^(−D) relative to the leading channel's.
+/// e^(−D) relative to the leading channel's, whose D is at most `most`, whatever rounding makes of it.
 #[inline(always)]
-fn relative<S: Spectrum>(depth: S, lead: usize) -> S {
-    let leading = depth.channel(lead);
+fn relative<S: Spectrum>(depth: S, lead: usize, most: Real) -> S {
+    let leading = depth.channel(lead).min(most);
     depth.map(|d| exp(leading - d))
 }

@@ -5,6 +5,7 @@ mod boundary;
 mod equiangular;
 mod history;
 mod instance;
+mod passage;
 mod trace;
 mod vertex;
 mod walk;
@@ -15,7 +16,8 @@ pub use history::{History, HistoryView, Link};
 #[cfg(feature = "media")]
 pub use instance::Volumes;
 pub use instance::{Instance, Surfaces};
-pub use trace::{Counters, Leg, MAX_STEPS, Meeting, Passage, Sight, Trace, roulette};
+pub use passage::{Leg, Passage};
+pub use trace::{Counters, MAX_STEPS, Meeting, Sight, Trace, roulette};
 pub use vertex::{Joint, Step, Vertex};
 pub use walk::{Arrival, Walk, connect_first, emission_terms, joined, source_facing};
 pub use weight::{CUTOFF, Heuristic, Junction, Mis, Terms};

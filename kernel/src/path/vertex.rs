@@ -14,6 +14,8 @@ use crate::random::{Purpose, Sampler};
 use crate::real::{Frame, Real, Vec3};
 use crate::shape::Point;
 use crate::spectrum::Spectrum;
+#[cfg(feature = "glossy")]
+use crate::surface::chosen;
 use crate::surface::{Local, Mode, Scatter, Surface};
 
 /// A vertex of a walk, with what the weights need of the walk so far.
@@ -84,7 +86,8 @@ pub struct Joint<S> {
 }
 
 impl<S: Spectrum> Vertex<S> {
-    /// The vertex on a surface at `point`, reached from direction `previous` through `medium`; its weight terms are zero.
+    /// The vertex on a surface at `point`, reached from direction `previous` through `medium`; its weight terms are zero. A blend
+    /// is one of its parts from here on, by `sampler`'s choice.
     #[inline(always)]
     pub fn on_surface(
         scene: &Scene<'_>,
@@ -93,11 +96,19 @@ impl<S: Spectrum> Vertex<S> {
         medium: u32,
         throughput: S,
         ratio: S,
+        sampler: &mut impl Sampler,
     ) -> Self {
         let front = previous.dot(point.shading) >= 0.0;
         let material = scene
             .shape(point.shape)
             .and_then(|shape| scene.material(if front { shape.front } else { shape.back }));
+        #[cfg(feature = "glossy")]
+        let material = material.map(|m| {
+            let draw = || sampler.one(Purpose::Blend);
+            chosen(scene.materials(), m, scene.texture_view(), point.uv, draw)
+        });
+        #[cfg(not(feature = "glossy"))]
+        let _ = sampler;
         let surface = match material {
             Some(m) => Surface::resolve(m, scene.texture_view(), point.uv),
             None => Surface::BLACK,
@@ -154,7 +165,7 @@ impl<S: Spectrum> Vertex<S> {
 
     /// Takes note of the media that the surface parts.
     #[inline(always)]
-    pub(super) fn look_around(&mut self, scene: &Scene<'_>) {
+    pub fn look_around(&mut self, scene: &Scene<'_>) {
         let [here, _] = self.media;
         self.media = sides(scene, &self.point, here);
     }
@@ -220,6 +231,23 @@ impl<S: Spectrum> Vertex<S> {
         Step::new(direction, s, self.correction(w, s.wi, direction, mode)?)
     }
 
+    /// The Dirac lobe number `index` of a surface, as if there were no other; a black one has no weight. `None` behind the last.
+    #[cfg_attr(not(feature = "quadrature"), allow(dead_code))]
+    #[inline(always)]
+    pub fn dirac_lobe(&self, scene: &Scene<'_>, index: u32) -> Option<Step<S>> {
+        let _ = scene;
+        let w = self.frame.local(self.previous);
+        let s = self.surface.dirac_lobe(w, Mode::Radiance, index)?;
+        Some(Step {
+            direction: self.frame.world(s.wi),
+            weight: s.weight,
+            pdf: s.pdf,
+            pdf_reverse: s.pdf_reverse,
+            dirac: true,
+            eta_scale: s.eta_scale,
+        })
+    }
+
     /// What joining the vertex to something in `direction` gives.
     #[inline(always)]
     pub fn join<K: Instance<S = S>>(
@@ -232,8 +260,9 @@ impl<S: Spectrum> Vertex<S> {
             let phase = self.phase(scene)?;
             // Symmetric: the way back has the same density.
             let pdf = phase.pdf(self.previous, direction);
-            return (pdf > 0.0).then(|| Joint {
-                value: phase.eval(self.previous, direction),
+            let value = phase.scattering * pdf;
+            return (!value.is_black()).then_some(Joint {
+                value,
                 pdf,
                 pdf_reverse: pdf,
             });

@@ -2,7 +2,8 @@
 //! radiance), from a light importance's.
 
 use super::instance::Instance;
-use super::trace::{Leg, MAX_STEPS, Meeting, Passage, Trace, roulette};
+use super::passage::{Leg, Passage};
+use super::trace::{MAX_STEPS, Meeting, Trace, roulette};
 use super::vertex::{Step, Vertex};
 use super::weight::{Mis, Terms};
 use crate::emitter::{self, Emission};
@@ -178,6 +179,7 @@ impl<S: Spectrum> Walk<S> {
                     self.medium,
                     self.throughput,
                     self.ratio,
+                    sampler,
                 );
                 if K::MEDIA {
                     vertex.look_around(trace.scene);
@@ -263,6 +265,39 @@ impl<S: Spectrum> Walk<S> {
         }
         self.throughput = throughput;
         self.relative = relative;
+        self.set_off(trace, vertex, &step);
+        Some(step)
+    }
+
+    /// One of several walks that leave `vertex`, where this walk's edge number `edges` ended, each with its `share` of what
+    /// came there. No roulette.
+    #[inline(always)]
+    pub fn branch<T, K: Instance<S = S>>(
+        &self,
+        trace: &Trace<'_, '_, T, K>,
+        vertex: &Vertex<S>,
+        step: &Step<S>,
+        share: Real,
+        edges: u32,
+    ) -> Self {
+        let mut walk = Self {
+            throughput: vertex.throughput * step.weight * share,
+            ratio: vertex.ratio,
+            edges,
+            ..*self
+        };
+        walk.set_off(trace, vertex, step);
+        walk
+    }
+
+    /// On its way from `vertex` along `step`.
+    #[inline(always)]
+    fn set_off<T, K: Instance<S = S>>(
+        &mut self,
+        trace: &Trace<'_, '_, T, K>,
+        vertex: &Vertex<S>,
+        step: &Step<S>,
+    ) {
         self.ray = Ray {
             origin: vertex.point.leave(step.direction),
             direction: step.direction,
@@ -280,7 +315,6 @@ impl<S: Spectrum> Walk<S> {
         self.dirac = step.dirac;
         self.next_a = 1.0;
         self.edges += 1;
-        Some(step)
     }
 
     /// Whether the direction it goes in was drawn by a Dirac lobe.
@@ -358,7 +392,8 @@ pub fn joined<K: Instance>(lead: usize, x: K::S, y: K::S, tau: K::S) -> K::S {
     }
     let mean = (x * y * tau).mean();
     let led = tau.channel(lead);
-    if led > 0.0 {
+    // Nothing has got here, or nothing gets through.
+    if led > 0.0 && mean > 0.0 {
         tau * (led / mean)
     } else {
         K::S::BLACK

@@ -1,6 +1,7 @@
 //! Pixel filters: part of W_e. Sensor walks draw from the filter; splats are weighted by its density,
 //! without renormalising (`transport.md` §7, Film).
 
+use super::panorama;
 use crate::blob::format::{Sensor, sensor as kind};
 use crate::real::Real;
 use crate::warp::{self, Gaussian};
@@ -29,9 +30,23 @@ fn density(s: &Sensor, x: Real) -> Real {
     }
 }
 
+/// Calls `f` with every pixel of the image that sees the point `raster` of it, in pixels of the full image, and with its filter's density there.
+/// A panorama, which starts over beyond its edges, may see it in several places, and calls for each.
+#[inline(always)]
+pub fn each_pixel(s: &Sensor, raster: [Real; 2], mut f: impl FnMut([u32; 2], Real)) {
+    if s.kind == kind::PANORAMA {
+        let radius = Real::from(s.filter_radius);
+        panorama::repeats(s, raster, radius, |again| {
+            Footprint::around(s, again).for_each(s, &mut f);
+        });
+    } else {
+        Footprint::around(s, raster).for_each(s, f);
+    }
+}
+
 /// The pixels of the image whose filter covers a point of the raster.
 #[derive(Clone, Copy, Debug)]
-pub struct Footprint {
+struct Footprint {
     first: [u32; 2],
     end: [u32; 2],
     raster: [Real; 2],
@@ -40,7 +55,7 @@ pub struct Footprint {
 impl Footprint {
     /// Around `raster`, in pixels of the full image.
     #[inline(always)]
-    pub fn around(s: &Sensor, raster: [Real; 2]) -> Self {
+    fn around(s: &Sensor, raster: [Real; 2]) -> Self {
         let radius = Real::from(s.filter_radius);
         // Pixel i is covered if its centre lies in (x − r, x + r], x being measured from the crop window.
         let bounds = |axis: usize| {
@@ -58,7 +73,7 @@ impl Footprint {
 
     /// Calls `f` with every covered pixel and its filter's density at the point.
     #[inline(always)]
-    pub fn for_each(&self, s: &Sensor, mut f: impl FnMut([u32; 2], Real)) {
+    fn for_each(&self, s: &Sensor, mut f: impl FnMut([u32; 2], Real)) {
         let distance =
             |axis: usize, i: u32| self.raster[axis] - ((s.crop_offset[axis] + i) as Real + 0.5);
         for y in self.first[1]..self.end[1].min(s.crop_size[1]) {

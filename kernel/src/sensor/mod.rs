@@ -7,10 +7,11 @@
 
 mod filter;
 mod orthographic;
+mod panorama;
 mod perspective;
 mod probe;
 
-pub use filter::Footprint;
+pub use filter::each_pixel;
 
 use crate::blob::Scene;
 use crate::blob::format::sensor as kind;
@@ -94,10 +95,12 @@ impl Element {
             Element::Pixel(pixel) => {
                 let sensor = scene.sensor();
                 let raster = filter::sample(sensor, pixel, sampler.two(Purpose::Filter));
-                if sensor.kind == kind::PERSPECTIVE {
-                    perspective::start(sensor, raster, sampler.two(Purpose::Lens))
-                } else {
-                    orthographic::start(sensor, raster)
+                match sensor.kind {
+                    kind::PERSPECTIVE => {
+                        perspective::start(sensor, raster, sampler.two(Purpose::Lens))
+                    }
+                    kind::PANORAMA => panorama::start(sensor, raster),
+                    _ => orthographic::start(sensor, raster),
                 }
             }
             Element::Ray(ray) => probe::ray_start(ray),
@@ -111,10 +114,14 @@ impl Element {
     #[inline(always)]
     pub fn project(&self, scene: &Scene<'_>, x: Vec3, lens: [Real; 2]) -> Option<Projection> {
         match *self {
-            Element::Pixel(_) if scene.sensor().kind == kind::PERSPECTIVE => {
-                perspective::project(scene.sensor(), x, lens)
+            Element::Pixel(_) => {
+                let sensor = scene.sensor();
+                match sensor.kind {
+                    kind::PERSPECTIVE => perspective::project(sensor, x, lens),
+                    kind::PANORAMA => panorama::project(sensor, x),
+                    _ => orthographic::project(sensor, x),
+                }
             }
-            Element::Pixel(_) => orthographic::project(scene.sensor(), x),
             Element::Ray(_) => None,
             Element::Irradiance { position, normal } => {
                 probe::irradiance_project(position, normal, x)
@@ -132,13 +139,18 @@ impl Element {
         lens: [Real; 2],
     ) -> Option<(Projection, Vec3)> {
         match *self {
-            Element::Pixel(_) if scene.sensor().kind == kind::PERSPECTIVE => {
-                perspective::project_distant(scene.sensor(), towards, lens)
+            Element::Pixel(_) => {
+                let sensor = scene.sensor();
+                match sensor.kind {
+                    kind::PERSPECTIVE => perspective::project_distant(sensor, towards, lens),
+                    kind::PANORAMA => Some(panorama::project_distant(sensor, towards)),
+                    _ => None,
+                }
             }
             Element::Irradiance { position, normal } => {
                 probe::irradiance_project_distant(position, normal, towards)
             }
-            _ => None,
+            Element::Ray(_) => None,
         }
     }
 

@@ -24,4 +24,9 @@ impl<S: Spectrum> Local<S> for Conductor<S> {
             .zip(self.k, |eta, k| fresnel::conductor(eta, k, cos));
         Some(Scatter::dirac(reflect(w), self.reflectance * r, 1.0))
     }
+
+    #[inline(always)]
+    fn dirac_lobe(&self, w: Vec3, mode: Mode, index: u32) -> Option<Scatter<S>> {
+        (index == 0).then(|| self.sample(w, mode, 0.0, [0.0; 2]))?
+    }
 }

@@ -20,9 +20,10 @@ pub struct Dielectric<S> {
     pub transmittance: S,
 }
 
-impl<S: Spectrum> Local<S> for Dielectric<S> {
+impl<S: Spectrum> Dielectric<S> {
+    /// The indices on the side of `w` and on the other one, and what Fresnel says.
     #[inline(always)]
-    fn sample(&self, w: Vec3, mode: Mode, lobe: Real, _: [Real; 2]) -> Option<Scatter<S>> {
+    fn boundary(&self, w: Vec3) -> (Real, Real, fresnel::Dielectric) {
         let (here, there) = if w.z > 0.0 {
             (1.0, self.ior)
         } else {
@@ -34,25 +35,49 @@ impl<S: Spectrum> Local<S> for Dielectric<S> {
         } else {
             fresnel::dielectric(here, there, cos)
         };
-        // Lobes by Fresnel's shares: the same from either side, so the way back has the same probability.
-        if lobe < boundary.reflected {
-            let p = boundary.reflected;
-            return (p > 0.0).then(|| Scatter::dirac(reflect(w), self.reflectance, p));
-        }
-        let p = boundary.transmitted;
-        if p <= 0.0 {
-            return None;
-        }
+        (here, there, boundary)
+    }
+
+    /// Refraction.
+    #[inline(always)]
+    fn refraction(&self, w: Vec3, mode: Mode) -> Scatter<S> {
+        let (here, there, boundary) = self.boundary(w);
         let back = here / there;
         let wi = Vec3::new(-w.x * back, -w.y * back, -boundary.cos_t.copysign(w.z));
         let eta_scale = match mode {
             Mode::Radiance => square(back),
             Mode::Importance => 1.0,
         };
-        Some(Scatter {
+        Scatter {
             transmitted: true,
             eta_scale,
-            ..Scatter::dirac(wi, self.transmittance * eta_scale, p)
-        })
+            ..Scatter::dirac(wi, self.transmittance * eta_scale, boundary.transmitted)
+        }
+    }
+}
+
+impl<S: Spectrum> Local<S> for Dielectric<S> {
+    #[inline(always)]
+    fn sample(&self, w: Vec3, mode: Mode, lobe: Real, _: [Real; 2]) -> Option<Scatter<S>> {
+        let (_, _, boundary) = self.boundary(w);
+        // Lobes by Fresnel's shares: the same from either side, so the way back has the same probability.
+        if lobe < boundary.reflected {
+            let p = boundary.reflected;
+            return (p > 0.0).then(|| Scatter::dirac(reflect(w), self.reflectance, p));
+        }
+        (boundary.transmitted > 0.0).then(|| self.refraction(w, mode))
+    }
+
+    #[inline(always)]
+    fn dirac_lobe(&self, w: Vec3, mode: Mode, index: u32) -> Option<Scatter<S>> {
+        let (_, _, boundary) = self.boundary(w);
+        match index {
+            0 => {
+                let p = boundary.reflected;
+                Some(Scatter::dirac(reflect(w), self.reflectance, p).alone())
+            }
+            1 => Some(self.refraction(w, mode).alone()),
+            _ => None,
+        }
     }
 }

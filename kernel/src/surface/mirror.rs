@@ -16,4 +16,9 @@ impl<S: Spectrum> Local<S> for Mirror<S> {
     fn sample(&self, w: Vec3, _: Mode, _: Real, _: [Real; 2]) -> Option<Scatter<S>> {
         (!self.reflectance.is_black()).then(|| Scatter::dirac(reflect(w), self.reflectance, 1.0))
     }
+
+    #[inline(always)]
+    fn dirac_lobe(&self, w: Vec3, mode: Mode, index: u32) -> Option<Scatter<S>> {
+        (index == 0).then(|| self.sample(w, mode, 0.0, [0.0; 2]))?
+    }
 }

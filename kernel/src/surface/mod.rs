@@ -6,11 +6,25 @@
 #[cfg(feature = "textures")]
 mod bitmap;
 mod conductor;
+#[cfg(feature = "glossy")]
+pub mod curve;
 mod dielectric;
 mod diffuse;
 pub mod fresnel;
+#[cfg(feature = "glossy")]
+pub mod microfacet;
 mod mirror;
 mod null;
+#[cfg(feature = "glossy")]
+mod phong;
+#[cfg(feature = "glossy")]
+mod plastic;
+#[cfg(feature = "glossy")]
+mod rough_conductor;
+#[cfg(feature = "glossy")]
+mod rough_dielectric;
+#[cfg(feature = "glossy")]
+mod rough_plastic;
 mod sheet;
 mod texture;
 
@@ -19,6 +33,16 @@ pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use mirror::Mirror;
 pub use null::Null;
+#[cfg(feature = "glossy")]
+pub use phong::Phong;
+#[cfg(feature = "glossy")]
+pub use plastic::Plastic;
+#[cfg(feature = "glossy")]
+pub use rough_conductor::RoughConductor;
+#[cfg(feature = "glossy")]
+pub use rough_dielectric::RoughDielectric;
+#[cfg(feature = "glossy")]
+pub use rough_plastic::RoughPlastic;
 pub use sheet::Sheet;
 pub use texture::TextureView;
 
@@ -67,6 +91,17 @@ pub struct Scatter<S> {
 }
 
 impl<S: Spectrum> Scatter<S> {
+    /// Drawn with probability `pdf`, as if nothing else could have been.
+    #[inline(always)]
+    fn alone(self) -> Self {
+        Self {
+            weight: self.weight * self.pdf,
+            pdf: 1.0,
+            pdf_reverse: 1.0,
+            ..self
+        }
+    }
+
     /// By a Dirac lobe of probability `p` in both directions.
     #[inline(always)]
     fn dirac(wi: Vec3, weight: S, p: Real) -> Self {
@@ -99,10 +134,69 @@ pub trait Local<S: Spectrum> {
     /// Draws a direction: `lobe` chooses the lobe, `xi` the direction in it. `None` absorbs.
     fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>>;
 
+    /// The Dirac lobe number `index`, as if there were no other: its whole weight, f·|cos| of the Dirac, with probability 1. `None` behind the
+    /// last. A model whose `sample` draws Dirac lobes has to list them all here.
+    #[inline(always)]
+    fn dirac_lobe(&self, _w: Vec3, _mode: Mode, _index: u32) -> Option<Scatter<S>> {
+        None
+    }
+
     /// Whether there is a lobe that isn't Dirac: connections are possible.
     #[inline(always)]
     fn has_smooth(&self) -> bool {
         false
+    }
+}
+
+/// A draw of `wi` by a model whose `eval` and `pdf` say everything about it.
+#[cfg(feature = "glossy")]
+#[inline(always)]
+fn drawn<S: Spectrum>(
+    model: &impl Local<S>,
+    w: Vec3,
+    wi: Vec3,
+    mode: Mode,
+    eta_scale: Real,
+) -> Option<Scatter<S>> {
+    let pdf = model.pdf(w, wi, mode);
+    let f = match mode {
+        Mode::Radiance => model.eval(w, wi),
+        Mode::Importance => model.eval(wi, w),
+    };
+    let weight = f * (wi.z.abs() / pdf);
+    (pdf > 0.0 && weight.max_channel().is_finite()).then(|| Scatter {
+        wi,
+        weight,
+        pdf,
+        pdf_reverse: model.pdf(wi, w, mode.reversed()),
+        dirac: false,
+        transmitted: !same_side(w, wi),
+        eta_scale,
+    })
+}
+
+/// What is left of ξ ∈ [low, low + p) is a fresh number.
+#[cfg(feature = "glossy")]
+#[inline(always)]
+fn fresh(xi: Real, low: Real, p: Real) -> Real {
+    ((xi - low) / p).clamp(0.0, crate::real::ONE_MINUS)
+}
+
+/// The same direction, or its mirror image, on the side of the normal.
+#[cfg(feature = "glossy")]
+#[inline(always)]
+fn upper(w: Vec3) -> Vec3 {
+    Vec3::new(w.x, w.y, w.z.abs())
+}
+
+/// A direction of the upper side on the side of `w`.
+#[cfg(feature = "glossy")]
+#[inline(always)]
+fn on_side_of(w: Vec3, wi: Vec3) -> Vec3 {
+    if w.z < 0.0 {
+        Vec3::new(wi.x, wi.y, -wi.z)
+    } else {
+        wi
     }
 }
 
@@ -129,6 +223,16 @@ pub enum Surface<S> {
     Dielectric(Dielectric<S>),
     Null(Null),
     Sheet(Sheet<S>),
+    #[cfg(feature = "glossy")]
+    Phong(Phong<S>),
+    #[cfg(feature = "glossy")]
+    RoughConductor(RoughConductor<S>),
+    #[cfg(feature = "glossy")]
+    RoughDielectric(RoughDielectric<S>),
+    #[cfg(feature = "glossy")]
+    Plastic(Plastic<S>),
+    #[cfg(feature = "glossy")]
+    RoughPlastic(RoughPlastic<S>),
 }
 
 /// Calls the model's own function.
@@ -141,6 +245,16 @@ macro_rules! each {
             Surface::Dielectric($model) => $call,
             Surface::Null($model) => $call,
             Surface::Sheet($model) => $call,
+            #[cfg(feature = "glossy")]
+            Surface::Phong($model) => $call,
+            #[cfg(feature = "glossy")]
+            Surface::RoughConductor($model) => $call,
+            #[cfg(feature = "glossy")]
+            Surface::RoughDielectric($model) => $call,
+            #[cfg(feature = "glossy")]
+            Surface::Plastic($model) => $call,
+            #[cfg(feature = "glossy")]
+            Surface::RoughPlastic($model) => $call,
         }
     };
 }
@@ -156,15 +270,7 @@ impl<S: Spectrum> Surface<S> {
     #[inline(always)]
     #[allow(clippy::unnecessary_cast)] // not unnecessary in the double-precision package
     pub fn resolve(m: &Material, textures: TextureView<'_>, uv: [Real; 2]) -> Self {
-        let color = |role: usize| {
-            let constant = S::from_rgb(m.color.get(role).copied().unwrap_or([0.0; 3]));
-            match m.texture.get(role) {
-                Some(&id) if id != crate::blob::format::NONE => {
-                    constant * textures.color::<S>(id, uv)
-                }
-                _ => constant,
-            }
-        };
+        let color = |role: usize| color(m, role, textures, uv);
         match m.kind {
             material::DIFFUSE => Self::Diffuse(Diffuse {
                 reflectance: color(0),
@@ -185,6 +291,8 @@ impl<S: Spectrum> Surface<S> {
                 transmittance: color(1),
             }),
             material::NULL => Self::Null(Null),
+            #[cfg(feature = "glossy")]
+            kind if kind != material::SHEET => Self::glossy(m, textures, uv),
             _ => Self::Sheet(Sheet {
                 specular_reflectance: color(0),
                 specular_transmittance: color(1),
@@ -195,6 +303,118 @@ impl<S: Spectrum> Surface<S> {
             }),
         }
     }
+    /// [`Self::resolve`] for the kinds above [`material::SHEET`]. A blend is one of its parts by now ([`chosen`]).
+    #[cfg(feature = "glossy")]
+    #[inline(never)]
+    #[allow(clippy::unnecessary_cast)] // not unnecessary in the double-precision package
+    fn glossy(m: &Material, textures: TextureView<'_>, uv: [Real; 2]) -> Self {
+        use curve::Curve;
+        use microfacet::Microfacets;
+        let color = |role: usize| color(m, role, textures, uv);
+        let ior = m.ior as Real;
+        let [first, second] = m.link;
+        let compensated = m.flags & material::COMPENSATED != 0;
+        let loss = |first: u32| match compensated {
+            true => Curve::read(textures.texels, first),
+            false => Curve::ZERO,
+        };
+        match m.kind {
+            material::PHONG => Self::Phong(Phong {
+                diffuse: Diffuse {
+                    reflectance: color(0),
+                    transmittance: color(3),
+                },
+                reflectance: color(1),
+                transmittance: color(2),
+                exponent: m.gloss[0] as Real,
+                normalization: m.gloss[1] as Real,
+                ior,
+                fresnel: m.flags & material::FRESNEL != 0,
+            }),
+            material::ROUGH_CONDUCTOR => Self::RoughConductor(RoughConductor {
+                facets: Microfacets::of(m),
+                eta: S::from_rgb(m.eta),
+                k: S::from_rgb(m.k),
+                reflectance: color(0),
+                mean: color(1),
+                loss: loss(first),
+            }),
+            material::ROUGH_DIELECTRIC => Self::RoughDielectric(RoughDielectric {
+                facets: Microfacets::of(m),
+                ior,
+                reflectance: color(0),
+                transmittance: color(1),
+                loss: [loss(first), loss(second)],
+            }),
+            material::PLASTIC => Self::Plastic(Plastic {
+                base: plastic::base(m, color(0)),
+                reflectance: color(1),
+                ior,
+            }),
+            material::ROUGH_PLASTIC => Self::RoughPlastic(RoughPlastic {
+                facets: Microfacets::of(m),
+                base: plastic::base(m, color(0)),
+                reflectance: color(1),
+                ior,
+                entering: Curve::read(textures.texels, first),
+            }),
+            _ => Self::BLACK,
+        }
+    }
+}
+
+/// A material's colour in a role: the constant times the texture, if there is one.
+#[inline(always)]
+fn color<S: Spectrum>(m: &Material, role: usize, textures: TextureView<'_>, uv: [Real; 2]) -> S {
+    let constant = S::from_rgb(m.color.get(role).copied().unwrap_or([0.0; 3]));
+    match m.texture.get(role) {
+        Some(&id) if id != crate::blob::format::NONE => constant * textures.color::<S>(id, uv),
+        _ => constant,
+    }
+}
+
+/// The part that a blend is at a vertex, chosen by random numbers from `draw`; any other material is itself.
+///
+/// A vertex of either walk chooses with the same probability, which therefore cancels in every ratio of densities: all
+/// estimators stay exact, and each vertex has the code of one part.
+#[cfg(feature = "glossy")]
+#[inline(always)]
+pub fn chosen<'a>(
+    materials: &'a [Material],
+    m: &'a Material,
+    textures: TextureView<'_>,
+    uv: [Real; 2],
+    draw: impl FnMut() -> Real,
+) -> &'a Material {
+    if m.kind == material::BLEND {
+        choose(materials, m, textures, uv, draw)
+    } else {
+        m
+    }
+}
+
+/// As [`chosen`]; levels fall, which bounds the steps.
+#[cfg(feature = "glossy")]
+#[inline(never)]
+fn choose<'a>(
+    materials: &'a [Material],
+    mut m: &'a Material,
+    textures: TextureView<'_>,
+    uv: [Real; 2],
+    mut draw: impl FnMut() -> Real,
+) -> &'a Material {
+    for _ in 0..material::MAX_LEVEL {
+        if m.kind != material::BLEND {
+            break;
+        }
+        let second = draw() < textures.weight(m, uv);
+        let [first, other] = m.link;
+        match materials.get(if second { other } else { first } as usize) {
+            Some(part) => m = part,
+            None => break,
+        }
+    }
+    m
 }
 
 impl<S: Spectrum> Local<S> for Surface<S> {
@@ -211,6 +431,11 @@ impl<S: Spectrum> Local<S> for Surface<S> {
     #[inline(always)]
     fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>> {
         each!(self, m => m.sample(w, mode, lobe, xi))
+    }
+
+    #[inline(always)]
+    fn dirac_lobe(&self, w: Vec3, mode: Mode, index: u32) -> Option<Scatter<S>> {
+        each!(self, m => m.dirac_lobe(w, mode, index))
     }
 
     #[inline(always)]

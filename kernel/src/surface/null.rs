@@ -17,4 +17,9 @@ impl<S: Spectrum> Local<S> for Null {
             ..Scatter::dirac(-w, S::WHITE, 1.0)
         })
     }
+
+    #[inline(always)]
+    fn dirac_lobe(&self, w: Vec3, mode: Mode, index: u32) -> Option<Scatter<S>> {
+        (index == 0).then(|| Local::<S>::sample(self, w, mode, 0.0, [0.0; 2]))?
+    }
 }

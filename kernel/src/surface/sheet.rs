@@ -77,6 +77,18 @@ impl<S: Spectrum> Local<S> for Sheet<S> {
     }
 
     #[inline(always)]
+    fn dirac_lobe(&self, w: Vec3, _: Mode, index: u32) -> Option<Scatter<S>> {
+        match index {
+            0 => Some(Scatter::dirac(reflect(w), self.specular_reflectance, 1.0)),
+            1 => Some(Scatter {
+                transmitted: true,
+                ..Scatter::dirac(-w, self.specular_transmittance, 1.0)
+            }),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
     fn has_smooth(&self) -> bool {
         self.diffuse.has_smooth()
     }

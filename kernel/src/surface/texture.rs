@@ -35,6 +35,17 @@ impl TextureView<'_> {
             .get(id as usize)
             .map_or(1.0, |t| Real::from(look(self.texels, t, uv)[0]))
     }
+
+    /// The probability of a blend's second part at (u, v).
+    #[cfg(feature = "glossy")]
+    pub fn weight(&self, m: &crate::blob::format::Material, uv: [Real; 2]) -> Real {
+        let [[constant, ..], ..] = m.color;
+        let [id, ..] = m.texture;
+        if id == NONE {
+            return Real::from(constant);
+        }
+        Real::from(constant) * self.opacity(id, uv)
+    }
 }
 
 /// Without the feature no blob that opens has a texture.

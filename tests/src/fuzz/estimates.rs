@@ -1,12 +1,13 @@
 //! What must hold of every scene that the gate lets in.
 
+use etendue::estimate::{Rule, Tree};
 use etendue::real::Vec3;
 use etendue::shape::IsaKind;
 use etendue::spectrum::Spectrum;
 use etendue::{Estimator, Heuristic, Rgb, Scene, Scratch, Settings};
 
 /// Every estimator, every heuristic.
-const ALL: [(Estimator, Heuristic); 7] = [
+const ALL: [(Estimator, Heuristic); 10] = [
     (Estimator::Path, Heuristic::Power),
     (Estimator::Path, Heuristic::Maximum),
     (Estimator::Light, Heuristic::Power),
@@ -14,6 +15,9 @@ const ALL: [(Estimator, Heuristic); 7] = [
     (Estimator::Bidirectional, Heuristic::Power),
     (Estimator::Bidirectional, Heuristic::Cutoff),
     (Estimator::Bidirectional, Heuristic::Maximum),
+    (Estimator::Distributed, Heuristic::Power),
+    (Estimator::Quadrature, Heuristic::Power),
+    (Estimator::QuadratureAndPath, Heuristic::Power),
 ];
 
 /// Longest path that is asked for: what a hostile scene costs grows with its square.
@@ -42,6 +46,16 @@ fn answers(scene: &Scene<'_>, seed: u64) -> Answers {
             heuristic,
             max_edges: Some(EDGES),
             seed,
+            tree: Tree {
+                branching: [2, 2, 1, 0, 0, 0, 0, 0],
+                lights: 2,
+            },
+            rule: Rule {
+                order: 2,
+                steps: 4,
+                depth: 3,
+                shift: seed & 1 != 0,
+            },
             ..Settings::default()
         };
         let pixel = [

@@ -6,9 +6,9 @@ use arbitrary::{Arbitrary, Result, Unstructured};
 use etendue::Scene;
 use etendue_host::compile::compile;
 use etendue_host::description::{
-    ColorSource, Description, Emitter, EmitterKind, Filter, Geometry, Grid, GridValues, Grids,
-    Image, Lobe, Material, Medium, Mesh, Model, Pattern, Phase, Place, Projection, Sensor, Shape,
-    Texels, Texture, Tracking, Wrap,
+    ColorSource, Description, Distribution, Emitter, EmitterKind, Facets, Filter, Geometry, Grid,
+    GridValues, Grids, Image, Lobe, Masking, Material, Medium, Mesh, Model, Pattern, Phase, Place,
+    Projection, Sensor, Shape, Texels, Texture, Tracking, Wrap,
 };
 
 /// What may be wrong with a scene whose numbers all are in their ranges.
@@ -69,7 +69,7 @@ fn description(s: &mut Source<'_>) -> Result<Description> {
     }
     for i in 0..=s.below(4)? {
         let name = format!("material {i}");
-        let model = model(s, d.textures.len())?;
+        let model = model(s, i, d.textures.len())?;
         d.materials.push(Material { name, model });
     }
     for i in 0..s.below(6)? {
@@ -197,16 +197,16 @@ fn sensor(s: &mut Source<'_>) -> Result<Sensor> {
     let side = |s: &mut Source<'_>| Ok(1 + s.below(if s.tame { 64 } else { 70_000 })? as u32);
     let resolution = [side(s)?, side(s)?];
     let default = Sensor::default();
-    let projection = if s.coin()? {
-        Projection::Perspective {
+    let projection = match s.below(3)? {
+        0 => Projection::Orthographic {
+            half_extent: s.numbers(1e-3, 1e12)?,
+        },
+        1 => Projection::Perspective {
             half_tangent: s.numbers(1e-3, 1e3)?,
             aperture: if s.coin()? { 0.0 } else { s.number(0.0, 1e12)? },
             focus: s.number(1e-3, 1e12)?,
-        }
-    } else {
-        Projection::Orthographic {
-            half_extent: s.numbers(1e-3, 1e12)?,
-        }
+        },
+        _ => Projection::Panorama,
     };
     let filter = match s.below(3)? {
         0 => Filter::Box {
@@ -306,8 +306,22 @@ fn texture(s: &mut Source<'_>, i: usize) -> Result<Texture> {
     })
 }
 
-fn model(s: &mut Source<'_>, textures: usize) -> Result<Model> {
-    Ok(match s.below(6)? {
+fn facets(s: &mut Source<'_>) -> Result<Facets> {
+    Ok(Facets {
+        alpha: s.numbers(1e-4, 10.0)?,
+        distribution: *s
+            .bytes
+            .choose(&[Distribution::Ggx, Distribution::Beckmann])?,
+        masking: *s
+            .bytes
+            .choose(&[Masking::Correlated, Masking::Separable, Masking::Cavities])?,
+        compensated: s.coin()?,
+    })
+}
+
+/// The model of material `own`; its parts come before it.
+fn model(s: &mut Source<'_>, own: usize, textures: usize) -> Result<Model> {
+    Ok(match s.below(11)? {
         0 => Model::Diffuse {
             reflectance: color(s, textures)?,
             transmittance: color(s, textures)?,
@@ -327,6 +341,46 @@ fn model(s: &mut Source<'_>, textures: usize) -> Result<Model> {
             schlick: s.coin()?,
         },
         4 => Model::Null,
+        6 => Model::Phong {
+            diffuse_reflectance: color(s, textures)?,
+            reflectance: color(s, textures)?,
+            transmittance: color(s, textures)?,
+            diffuse_transmittance: color(s, textures)?,
+            exponent: s.number(0.0, 1e5)?,
+            modified: s.coin()?,
+            ior: s.number(1e-3, 1e3)?,
+            fresnel: s.coin()?,
+        },
+        7 => Model::RoughConductor {
+            eta: s.numbers(0.0, 1e6)?,
+            k: s.numbers(0.0, 1e6)?,
+            reflectance: color(s, textures)?,
+            facets: facets(s)?,
+        },
+        8 => {
+            let facets = Facets {
+                masking: Masking::Separable,
+                ..facets(s)?
+            };
+            let ior = s.number(1e-3, 1e3)?;
+            Model::RoughDielectric {
+                ior: if (ior - 1.0).abs() < 0.01 { 1.01 } else { ior },
+                reflectance: color(s, textures)?,
+                transmittance: color(s, textures)?,
+                facets,
+            }
+        }
+        9 => Model::Plastic {
+            ior: s.number(1e-3, 1e3)?,
+            diffuse_reflectance: color(s, textures)?,
+            reflectance: color(s, textures)?,
+            nonlinear: s.coin()?,
+            facets: if s.coin()? { Some(facets(s)?) } else { None },
+        },
+        10 if own > 0 => Model::Blend {
+            parts: [s.below(own)?, s.below(own)?],
+            weight: color(s, textures)?,
+        },
         _ => Model::Sheet {
             specular_reflectance: color(s, textures)?,
             specular_transmittance: color(s, textures)?,

@@ -2,7 +2,7 @@
 
 use super::kernel::Rgb;
 use super::kernel::real::{Real, Vec3};
-use super::kernel::surface::{Mode, Surface};
+use super::kernel::surface::{Local, Mode, Scatter, Surface};
 use super::zoo::{MODES, channels, dirac_lobes, directions, zoo};
 use etendue_tests::fresnel;
 use glam::DVec3;
@@ -31,6 +31,17 @@ fn truth(surface: &Surface<Rgb>, w: DVec3, mode: Mode) -> [Lobe; 2] {
             (mirrored, channels(s.specular_reflectance)),
             (-w, channels(s.specular_transmittance)),
         ],
+        Surface::Plastic(p) => {
+            let (r, _) = fresnel::dielectric(1.0, p.ior as f64, w.z.abs());
+            [
+                (mirrored, channels(p.reflectance).map(|k| k * r)),
+                (-w, none),
+            ]
+        }
+        Surface::Phong(_)
+        | Surface::RoughConductor(_)
+        | Surface::RoughDielectric(_)
+        | Surface::RoughPlastic(_) => [(mirrored, none), (-w, none)],
         Surface::Dielectric(d) => {
             let ior = d.ior as f64;
             let (n1, n2) = if w.z > 0.0 { (1.0, ior) } else { (ior, 1.0) };
@@ -102,6 +113,38 @@ fn lobes_are_where_optics_puts_them() {
                         (s.eta_scale as f64 / eta_scale - 1.0).abs() < 1e-6,
                         "{context}"
                     );
+                }
+            }
+        }
+    }
+}
+
+/// The lobes that a model lists are those that it draws, each with its whole weight; so what follows all of them misses nothing.
+#[test]
+fn the_lobes_that_are_listed_are_those_that_are_drawn() {
+    for specimen in zoo() {
+        for w in directions() {
+            for mode in MODES {
+                let drawn = dirac_lobes(&specimen.surface, w, mode);
+                let listed: Vec<_> = (0..16)
+                    .map_while(|i| specimen.surface.dirac_lobe(w, mode, i))
+                    .collect();
+                for s in &drawn {
+                    let same = listed.iter().find(|l| l.transmitted == s.transmitted);
+                    let l = same.unwrap_or_else(|| panic!("{} from {w}: {s:?}", specimen.name));
+                    assert!(l.dirac && l.pdf == 1.0 && l.eta_scale == s.eta_scale);
+                    assert_eq!(l.wi, s.wi, "{} from {w}", specimen.name);
+                    for (listed, drawn) in channels(l.weight).into_iter().zip(channels(s.weight)) {
+                        let whole = drawn * s.pdf as f64;
+                        let allowed = 4.0 * Real::EPSILON as f64 * whole;
+                        assert!((listed - whole).abs() <= allowed, "{}", specimen.name);
+                    }
+                }
+                // And none that isn't: what isn't drawn has hardly any weight.
+                let extra =
+                    |l: &&Scatter<Rgb>| drawn.iter().all(|s| s.transmitted != l.transmitted);
+                for l in listed.iter().filter(extra) {
+                    assert!(channels(l.weight).iter().all(|&x| x < 1e-3), "{l:?}");
                 }
             }
         }

@@ -233,7 +233,10 @@ fn materials_multiply_their_textures() {
         texture: [0, NONE, 7, 1],
         eta: [0.5, 1.0, 2.0],
         k: [4.0, 3.0, 0.0],
-        reserved2: [0; 6],
+        gloss: [0.25, 0.5],
+        internal: 0.5,
+        link: [0; 2],
+        level: 0,
     };
     let expected = [
         [0.25, 0.125, 0.5],
@@ -248,6 +251,11 @@ fn materials_multiply_their_textures() {
         material::DIELECTRIC,
         material::NULL,
         material::SHEET,
+        material::PHONG,
+        material::ROUGH_CONDUCTOR,
+        material::ROUGH_DIELECTRIC,
+        material::PLASTIC,
+        material::ROUGH_PLASTIC,
     ];
     for kind in kinds {
         for flags in [0, material::SCHLICK] {
@@ -274,6 +282,33 @@ fn materials_multiply_their_textures() {
                         s.diffuse.transmittance,
                     ],
                 ),
+                Surface::Phong(p) => {
+                    assert!(p.exponent == 0.25 && p.normalization == 0.5 && p.ior == 1.25);
+                    assert_eq!(p.fresnel, flags == material::FRESNEL);
+                    let (r, t) = (p.diffuse.reflectance, p.diffuse.transmittance);
+                    (material::PHONG, vec![r, p.reflectance, p.transmittance, t])
+                }
+                Surface::RoughConductor(c) => {
+                    assert_eq!(c.facets.alpha, [0.25, 0.5]);
+                    assert_eq!(c.facets.beckmann, flags == material::BECKMANN);
+                    (material::ROUGH_CONDUCTOR, vec![c.reflectance, c.mean])
+                }
+                Surface::RoughDielectric(d) => {
+                    assert!(d.ior == 1.25 && d.facets.alpha == [0.25, 0.5]);
+                    let colors = vec![d.reflectance, d.transmittance];
+                    (material::ROUGH_DIELECTRIC, colors)
+                }
+                Surface::Plastic(p) => {
+                    // k/(η²(1 − ρ_i)).
+                    let base = channels(p.base).map(|b| b * 1.25 * 1.25 * 0.5);
+                    let close = |i: usize| (base[i] - expected[0][i]).abs() < 1e-6;
+                    assert!((0..3).all(close), "{base:?}");
+                    (material::PLASTIC, vec![])
+                }
+                Surface::RoughPlastic(p) => {
+                    assert_eq!(channels(p.reflectance), expected[1]);
+                    (material::ROUGH_PLASTIC, vec![])
+                }
             };
             assert_eq!(found, kind);
             for (role, color) in colors.into_iter().enumerate() {

@@ -3,8 +3,11 @@
 use super::kernel::random::{Pcg, Purpose, Sampler};
 use super::kernel::real::{ONE_MINUS, Real, Vec3};
 use super::kernel::spectrum::{Rgb, Spectrum};
+use super::kernel::surface::curve::Curve;
+use super::kernel::surface::microfacet::{Masking, Microfacets};
 use super::kernel::surface::{
-    Conductor, Dielectric, Diffuse, Local, Mirror, Mode, Null, Scatter, Sheet, Surface,
+    Conductor, Dielectric, Diffuse, Local, Mirror, Mode, Null, Phong, Plastic, RoughConductor,
+    RoughDielectric, RoughPlastic, Scatter, Sheet, Surface,
 };
 
 /// A local model with what tests need to know of it.
@@ -13,6 +16,10 @@ pub struct Specimen {
     pub surface: Surface<Rgb>,
     /// Whether all light that comes leaves again.
     pub lossless: bool,
+    /// Whether it has lobes: narrower than the quadrature of smooth things.
+    pub glossy: bool,
+    /// Whether its smooth part is declared reciprocal, and by which index: f/η_o² is symmetric.
+    pub reciprocal: Option<f64>,
 }
 
 pub const MODES: [Mode; 2] = [Mode::Radiance, Mode::Importance];
@@ -109,8 +116,288 @@ pub fn zoo() -> Vec<Specimen> {
         name,
         surface,
         lossless,
+        glossy: false,
+        reciprocal: Some(1.0),
+    })
+    .into_iter()
+    .chain(glossy())
+    .collect()
+}
+
+pub fn facets(alpha: Real, beckmann: bool, masking: Masking) -> Microfacets {
+    Microfacets {
+        alpha: [alpha; 2],
+        beckmann,
+        masking,
+    }
+}
+
+/// Some loss at grazing angles: a curve needs no truth to be sampled.
+fn some_loss(most: Real) -> Curve {
+    Curve::through(|cos| most * (1.0 - 0.7 * cos))
+}
+
+fn glossy() -> Vec<Specimen> {
+    let conductor = |facets, loss| {
+        Surface::RoughConductor(RoughConductor {
+            facets,
+            eta: Rgb::new(0.143, 0.375, 1.442),
+            k: Rgb::new(3.983, 2.386, 1.603),
+            reflectance: WARM,
+            mean: grey(0.7),
+            loss,
+        })
+    };
+    let ground = |ior, facets, loss| {
+        Surface::RoughDielectric(RoughDielectric {
+            facets,
+            ior,
+            reflectance: WARM,
+            transmittance: COLD,
+            loss,
+        })
+    };
+    let phong = |colors: [Rgb; 4], exponent: Real, ior, fresnel| {
+        Surface::Phong(Phong {
+            diffuse: Diffuse {
+                reflectance: colors[0],
+                transmittance: colors[3],
+            },
+            reflectance: colors[1],
+            transmittance: colors[2],
+            exponent,
+            normalization: (exponent + 2.0) / (2.0 * std::f64::consts::PI as Real),
+            ior,
+            fresnel,
+        })
+    };
+    let plastic = Surface::Plastic(Plastic {
+        base: COLD * 0.8,
+        reflectance: grey(0.9),
+        ior: 1.5,
+    });
+    let rough_plastic = |facets, ior| {
+        Surface::RoughPlastic(RoughPlastic {
+            facets,
+            base: COLD * 0.8,
+            reflectance: grey(0.9),
+            ior,
+            entering: Curve::through(|cos| 0.9 - 0.6 * (1.0 - cos) * (1.0 - cos)),
+        })
+    };
+    let none = Curve::ZERO;
+    let (correlated, separable, cavities) =
+        (Masking::Correlated, Masking::Separable, Masking::Cavities);
+    let uneven = Microfacets {
+        alpha: [0.15, 0.6],
+        beckmann: false,
+        masking: correlated,
+    };
+    let uneven_beckmann = Microfacets {
+        beckmann: true,
+        ..uneven
+    };
+    let all = [grey(0.25), WARM * 0.25, COLD * 0.25, grey(0.1)];
+    let lobes = [BLACK, WARM, COLD, BLACK];
+    let some = Some(1.0);
+    let [ggx, beckmann] = [false, true];
+    [
+        (
+            "conductor, GGX 0.05",
+            conductor(facets(0.05, ggx, correlated), none),
+            some,
+        ),
+        (
+            "conductor, GGX 0.3",
+            conductor(facets(0.3, ggx, separable), none),
+            some,
+        ),
+        (
+            "conductor, GGX 1",
+            conductor(facets(1.0, ggx, correlated), none),
+            some,
+        ),
+        ("conductor, GGX uneven", conductor(uneven, none), some),
+        (
+            "conductor, Beckmann 0.1",
+            conductor(facets(0.1, beckmann, separable), none),
+            some,
+        ),
+        (
+            "conductor, Beckmann 0.6",
+            conductor(facets(0.6, beckmann, correlated), none),
+            some,
+        ),
+        (
+            "conductor, Beckmann uneven",
+            conductor(uneven_beckmann, none),
+            some,
+        ),
+        (
+            "conductor, cavities",
+            conductor(facets(0.4, beckmann, cavities), none),
+            some,
+        ),
+        (
+            "conductor, compensated",
+            conductor(facets(0.8, ggx, correlated), some_loss(0.6)),
+            some,
+        ),
+        (
+            "ground glass, GGX 0.1",
+            ground(1.5, facets(0.1, ggx, separable), [none; 2]),
+            Some(1.5),
+        ),
+        (
+            "ground glass, GGX 0.7",
+            ground(1.5, facets(0.7, ggx, correlated), [none; 2]),
+            Some(1.5),
+        ),
+        (
+            "ground glass, Beckmann 0.3",
+            ground(1.5, facets(0.3, beckmann, correlated), [none; 2]),
+            Some(1.5),
+        ),
+        (
+            "rough bubble",
+            ground(0.75, facets(0.4, ggx, separable), [none; 2]),
+            Some(0.75),
+        ),
+        (
+            "ground glass, compensated",
+            ground(
+                1.5,
+                facets(0.8, ggx, correlated),
+                [some_loss(0.3), some_loss(0.5)],
+            ),
+            Some(1.5),
+        ),
+        ("plastic", plastic, some),
+        (
+            "plastic, GGX 0.3",
+            rough_plastic(facets(0.3, ggx, separable), 1.5),
+            some,
+        ),
+        (
+            "plastic, Beckmann 0.1",
+            rough_plastic(facets(0.1, beckmann, separable), 1.5),
+            some,
+        ),
+        (
+            "Phong 0",
+            phong([grey(0.1), WARM, BLACK, BLACK], 0.0, 1.0, false),
+            some,
+        ),
+        (
+            "Phong 30, composite",
+            phong([COLD, grey(0.2), BLACK, BLACK], 30.0, 1.0, false),
+            some,
+        ),
+        (
+            "Phong 300",
+            phong([BLACK, WARM, BLACK, BLACK], 300.0, 1.0, false),
+            some,
+        ),
+        ("Phong sheet", phong(all, 40.0, 1.0, false), some),
+        ("Phong glass", phong(lobes, 50.0, 1.5, true), None),
+        ("Phong glass, dull", phong(lobes, 5.0, 1.5, true), None),
+        ("Phong bubble", phong(lobes, 20.0, 0.75, true), None),
+    ]
+    .map(|(name, surface, reciprocal)| Specimen {
+        name,
+        surface,
+        lossless: false,
+        glossy: true,
+        reciprocal,
     })
     .into()
+}
+
+/// Rows (of cos θ) and columns (of azimuth) of the cells below.
+pub const ROWS: usize = 16;
+pub const COLUMNS: usize = 12;
+
+/// ∫ f dσ over each cell by the midpoint rule; where there may be lobes, by halves wherever that changes it.
+pub fn cells(glossy: bool, f: impl Fn(Vec3) -> [f64; 3]) -> Vec<[f64; 3]> {
+    (0..ROWS * COLUMNS)
+        .map(|cell| {
+            let (row, column) = (cell / COLUMNS, cell % COLUMNS);
+            let part = Part {
+                row,
+                column,
+                low: [0.0; 2],
+                side: 1.0,
+                graded: glossy,
+            };
+            if !glossy {
+                return part.rule(&f);
+            }
+            let parts = part.quarters().into_iter().flat_map(|p| p.quarters());
+            parts.fold([0.0; 3], |sum, p| add(sum, p.adapted(&f, p.rule(&f), 8)))
+        })
+        .collect()
+}
+
+fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] + b[i])
+}
+
+/// A square part of a cell, in units of it.
+#[derive(Clone, Copy)]
+struct Part {
+    row: usize,
+    column: usize,
+    low: [f64; 2],
+    side: f64,
+    /// Whether its steps are smaller towards the horizon.
+    graded: bool,
+}
+
+impl Part {
+    fn quarters(self) -> [Self; 4] {
+        std::array::from_fn(|i| Self {
+            low: [0, 1].map(|axis| self.low[axis] + 0.5 * self.side * (i >> axis & 1) as f64),
+            side: 0.5 * self.side,
+            ..self
+        })
+    }
+
+    /// Four by four midpoints.
+    fn rule(self, f: &impl Fn(Vec3) -> [f64; 3]) -> [f64; 3] {
+        const FINE: usize = 4;
+        let mut sum = [0.0; 3];
+        for (i, j) in (0..FINE).flat_map(|i| (0..FINE).map(move |j| (i, j))) {
+            let at =
+                |axis: usize, i: usize| self.low[axis] + self.side * (i as f64 + 0.5) / FINE as f64;
+            // Light that grazes is refracted into slivers at the horizon, where steps are smaller.
+            let t = at(0, i);
+            let (row, weight) = match self.row {
+                row if self.graded && row == ROWS / 2 => (t * t, 2.0 * t),
+                row if self.graded && row + 1 == ROWS / 2 => {
+                    (1.0 - (1.0 - t) * (1.0 - t), 2.0 - 2.0 * t)
+                }
+                _ => (t, 1.0),
+            };
+            let cos = 2.0 * (self.row as f64 + row) / ROWS as f64 - 1.0;
+            let phi = std::f64::consts::TAU * (self.column as f64 + at(1, j)) / COLUMNS as f64;
+            sum = add(sum, f(direction(cos, phi)).map(|f| weight * f));
+        }
+        let cells = (ROWS * COLUMNS * FINE * FINE) as f64;
+        sum.map(|s| s * 2.0 * std::f64::consts::TAU * self.side * self.side / cells)
+    }
+
+    fn adapted(self, f: &impl Fn(Vec3) -> [f64; 3], whole: [f64; 3], depth: u32) -> [f64; 3] {
+        let quarters = self.quarters().map(|q| (q, q.rule(f)));
+        let sum = quarters.iter().fold([0.0; 3], |sum, q| add(sum, q.1));
+        let stays = (0..3).all(|i| (sum[i] - whole[i]).abs() < 1e-7);
+        if stays || depth == 0 {
+            return sum;
+        }
+        let parts = quarters.iter();
+        parts.fold([0.0; 3], |sum, (q, r)| {
+            add(sum, q.adapted(f, *r, depth - 1))
+        })
+    }
 }
 
 /// From straight above to grazing, on both sides.

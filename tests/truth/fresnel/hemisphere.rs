@@ -94,3 +94,22 @@ fn error_of_schlick() {
         }
     }
 }
+
+/// From the denser side the cosine is that of the transmitted ray: all is reflected at the critical angle. With the incident one
+/// the polynomial would fall short by what the oracle says.
+#[test]
+fn schlick_from_the_denser_side() {
+    for o in oracles("P21_schlick_error", "schlick_internal") {
+        let n = o.parameter("n");
+        let cos = (1.0 - 1.0 / (n * n)).sqrt();
+        let r0 = ((n - 1.0) / (n + 1.0)).powi(2);
+        let of_the_incident = r0 + (1.0 - r0) * (1.0 - cos).powi(5);
+        // Just off it, so that the answer isn't the exact one of total reflection; R has changed there by 5(1 − r₀)cos_t at most.
+        let off = 64.0 * Real::EPSILON as f64;
+        let cos_t = (2.1 * off * (n * n - 1.0)).sqrt();
+        let b = fresnel::schlick(n as Real, 1.0, (cos * (1.0 + off)) as Real);
+        assert!(b.transmitted > 0.0, "{}: {b:?}", o.id);
+        let got = b.reflected as f64 - of_the_incident;
+        assert_met(got, &o.id, o.value, ROUNDING + 5.0 * cos_t);
+    }
+}

@@ -20,6 +20,7 @@ fn zoo() -> Matter {
         [1e-6, 1e-12, 0.0],
         [1e4, 1e12, 1.0],
         [0.0, 0.0, 0.0],
+        [1e3, 1e3, 1e3],
     ] {
         let emission = sigma.map(|s: f32| if s > 0.0 { 1e20 } else { 0.0 });
         let flags = [0, medium::RESIDUAL, medium::REGULAR];
@@ -30,17 +31,12 @@ fn zoo() -> Matter {
         for grid in [values, colors] {
             for flags in flags {
                 let index = zoo.gridded(grid, sigma, [0.5; 3], [2, 2, 1]);
-                zoo.media[index].flags = if grid == colors {
-                    flags & !medium::RESIDUAL
-                } else {
-                    flags
-                };
+                let one = grid == values && sigma.iter().all(|s| *s == sigma[0]);
+                let known = if one { !0 } else { !medium::RESIDUAL };
+                zoo.media[index].flags = flags & known;
                 zoo.media[index].emission = emission;
-                let least = zoo.words.iter().rposition(|_| true).unwrap();
-                for word in &mut zoo.words[least - 3..] {
-                    if *word > 0.0 {
-                        *word = word.max(1e-12);
-                    }
+                for word in zoo.words.iter_mut().rev().take(4).filter(|w| **w > 0.0) {
+                    *word = word.max(1e-12);
                 }
             }
         }

@@ -45,7 +45,7 @@ fn profile(oracle: &Oracle) -> (Box<dyn Fn(f64) -> f64>, f64) {
 #[test]
 fn transmittance_meets_the_oracles() {
     const COUNT: u32 = 30_000;
-    const TEXELS: u32 = 1024;
+    const TEXELS: u32 = 2048;
     let mut family = Family::new();
     for (i, oracle) in oracles("P18_heterogeneous_transmittance", "")
         .iter()
@@ -93,7 +93,13 @@ fn transmittance_meets_the_oracles() {
                 }
                 let mut random = Pcg::from_seed(60 + i as u64);
                 let mut through = Moments::default();
-                for _ in 0..COUNT {
+                // Through all cells one by one: slow, and the same but for the last of them.
+                let count = if *name == "regular" {
+                    COUNT / 10
+                } else {
+                    COUNT
+                };
+                for _ in 0..count {
                     let (flight, ..) = fly(&way, 0, &mut random);
                     through.add(f64::from(u8::from(matches!(flight, Flight::Through))));
                 }
@@ -460,7 +466,7 @@ fn a_constant_grid_is_homogeneous() {
 /// Optical depths 1e-6 and 1e4, thin and thick texels side by side.
 #[test]
 fn thin_and_thick_grids() {
-    const COUNT: u32 = 200_000;
+    const COUNT: u32 = 100_000;
     let mut family = Family::new();
     for (i, scale) in [1e-6f32, 1e4].into_iter().enumerate() {
         let mut matter = Matter::default();
@@ -483,7 +489,8 @@ fn thin_and_thick_grids() {
             let f = flights(&way, 92 + i as u64, COUNT, (1.375, 1.5, 1), |_| {
                 [8.0 * f64::from(scale); 3]
             });
-            family.add(f.through[0].against(truth, 1e-6), format!("{name} {scale}"));
+            let p = p_value(&f.through[0], COUNT, truth, 1e-6);
+            family.add(p, format!("{name} {scale}"));
             let seen = f.collided[0][0];
             if scale > 1.0 {
                 assert!((seen.mean() - 1.0).abs() < 1e-3, "{name}: {}", seen.mean());

@@ -7,56 +7,46 @@ use etendue_host::description::{Geometry, Mesh};
 use etendue_tests::render::blob;
 use etendue_tests::scenes::{Builder, V};
 
+/// Closed rooms, as the oracles name them, each with a ray that starts inside.
+pub const ROOMS: [(&str, Ask); 3] = [
+    ("sphere", Ask::Ray([0.1, 0.2, 0.0], [0.3, 0.4, 0.5])),
+    ("box", Ask::Ray([1.0, 0.5, 1.5], [0.3, -0.4, 0.5])),
+    ("non-convex", Ask::Ray([0.5, 0.5, 0.5], [1.0, 0.3, 0.2])),
+];
+
+/// One of them, whose walls reflect `rho` and emit `emission`.
+pub fn inside(room: &str, rho: f32, emission: f32) -> AlignedBlob {
+    let mut b = Builder::new();
+    let wall = Some(b.diffuse([rho; 3]));
+    let s = match room {
+        "sphere" => b.shape(
+            Geometry::Sphere {
+                center: [0.0; 3],
+                radius: 1.0,
+                flipped: true,
+            },
+            wall,
+        ),
+        "box" => b.cuboid([0.0, 0.0, 0.0], [2.0, 1.0, 3.0], true, wall),
+        _ => b.shape(Geometry::Mesh(l_room()), wall),
+    };
+    s.emission = Some([emission; 3]);
+    blob(&b.description)
+}
+
 #[test]
 fn enclosures() {
-    let inside = |shape: usize, rho: f32| {
-        let mut b = Builder::new();
-        let wall = Some(b.diffuse([rho; 3]));
-        let s = match shape {
-            0 => b.shape(
-                Geometry::Sphere {
-                    center: [0.0; 3],
-                    radius: 1.0,
-                    flipped: true,
-                },
-                wall,
-            ),
-            1 => b.cuboid([0.0, 0.0, 0.0], [2.0, 1.0, 3.0], true, wall),
-            _ => b.shape(Geometry::Mesh(l_room()), wall),
-        };
-        s.emission = Some([1.0; 3]);
-        blob(&b.description)
-    };
-    let rays: [[V; 2]; 3] = [
-        [[0.1, 0.2, 0.0], [0.3, 0.4, 0.5]],
-        [[1.0, 0.5, 1.5], [0.3, -0.4, 0.5]],
-        [[0.5, 0.5, 0.5], [1.0, 0.3, 0.2]],
-    ];
-    for (shape, name) in ["sphere", "box", "non-convex"].into_iter().enumerate() {
-        let [origin, direction] = rays[shape];
+    for (name, ray) in ROOMS {
         for (rho, n) in [(0.18, 200), (0.5, 400), (0.9, 400)] {
             let id = format!("encl_{name}_Le1.0_rho{rho}");
-            ask(
-                &inside(shape, rho),
-                &id,
-                Ask::Ray(origin, direction),
-                n,
-                None,
-                0.01,
-            );
+            ask(&inside(name, rho, 1.0), &id, ray, n, None, 0.01);
         }
     }
-    let [origin, direction] = rays[0];
+    let (name, ray) = ROOMS[0];
     for (rho, bounces) in [(0.5, 1), (0.9, 10), (0.9, 50)] {
         let id = format!("encl_trunc_rho{rho}_nb{bounces}");
-        ask(
-            &inside(0, rho),
-            &id,
-            Ask::Ray(origin, direction),
-            300,
-            Some(bounces + 1),
-            0.01,
-        );
+        let edges = Some(bounces + 1);
+        ask(&inside(name, rho, 1.0), &id, ray, 300, edges, 0.01);
     }
 }
 

@@ -187,6 +187,39 @@ fn a_plate_under_a_bright_sky() {
     );
 }
 
+/// A white or grey floor under a coat of glass: what a sky of uniform radiance sends back, all orders of reflection between the two.
+#[test]
+fn a_varnished_floor() {
+    for (n, rho) in [
+        ("1.3", "0.5"),
+        ("1.3", "0.9"),
+        ("1.3", "1.0"),
+        ("1.5", "0.9"),
+        ("2.4", "0.9"),
+        ("2.4", "1.0"),
+    ] {
+        let mut b = Builder::new();
+        let floor = Some(b.diffuse([rho.parse().unwrap(); 3]));
+        let coat = Some(b.glass(n.parse().unwrap()));
+        let half = 1e4;
+        for (z, material) in [(-1.0, floor), (0.0, coat)] {
+            let side = 2.0 * half;
+            b.quad(
+                [-half, -half, z],
+                [side, 0.0, 0.0],
+                [0.0, side, 0.0],
+                material,
+            );
+        }
+        // Radiance 1/π: the irradiance of a plane that faces the floor is the share of the flux that comes back.
+        let radiance = [std::f32::consts::FRAC_1_PI; 3];
+        b.light(EmitterKind::Constant { radiance });
+        let facing = Ask::Irradiance([0.3, 0.2, 0.5], [0.0, 0.0, -1.0]);
+        let id = format!("varnish_n{n}_rho{rho}");
+        ask(&blob(&b.description), &id, facing, 300, None, 0.01);
+    }
+}
+
 /// Radiance of a small square as an orthographic camera beside it sees it; by light tracing, the only way there.
 pub fn seen_by_light(
     b: Builder,
@@ -298,8 +331,11 @@ fn the_caustic_of_a_ball() {
         (1.5f32, 1.5f32, 0.1f32, "n1.5_d1.5_r0.1", refracted),
         (1.5, 1.5, 0.1, "n1.5_d1.5_r0.1", all),
         (1.5, 1.5, 0.02, "n1.5_d1.5_r0.02", refracted),
+        (1.5, 1.5, 0.02, "n1.5_d1.5_r0.02", all),
         (1.33, 2.0, 0.1, "n1.33_d2.0_r0.1", refracted),
+        (1.33, 2.0, 0.1, "n1.33_d2.0_r0.1", all),
         (1.5, 1.01, 0.5, "n1.5_d1.01_r0.5", refracted),
+        (1.5, 1.01, 0.5, "n1.5_d1.01_r0.5", all),
         (2.4, 1.05, 0.2, "n2.4_d1.05_r0.2", refracted),
         (2.4, 1.05, 0.2, "n2.4_d1.05_r0.2", all),
     ] {

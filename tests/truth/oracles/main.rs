@@ -1,4 +1,4 @@
-//! Closed forms and deterministic quadrature (`tests/data/transport.json`) against the estimators, in both precisions.
+//! Closed forms and deterministic quadrature (`tests/data/transport.json`, `oracles.json`) against the estimators, in both precisions.
 //!
 //! Every value is the mean of 64 batches: |estimate − truth| ≤ [`Z`]·(standard error) + the oracle's uncertainty + [`ROUNDING`].
 //! With 63 degrees of freedom P(|t| > 5) = 5e-6; about 300 values make one false alarm in 700 runs. And the standard error must
@@ -7,6 +7,7 @@
 mod enclosures;
 mod extremes;
 mod light;
+mod media;
 mod mirrors;
 
 use etendue::{Estimator, Scene, Scratch, Settings};
@@ -21,8 +22,18 @@ const Z: f64 = 5.0;
 const ROUNDING: f64 = 5e-6;
 const BATCHES: u64 = 64;
 
-static ORACLES: LazyLock<serde_json::Value> =
-    LazyLock::new(|| serde_json::from_str(include_str!("../../data/transport.json")).unwrap());
+/// By id.
+static ORACLES: LazyLock<serde_json::Value> = LazyLock::new(|| {
+    let read = |text| serde_json::from_str::<serde_json::Value>(text).unwrap();
+    let mut all = read(include_str!("../../data/transport.json"));
+    for record in read(include_str!("../../data/oracles.json"))
+        .as_array()
+        .unwrap()
+    {
+        all[record["id"].as_str().unwrap()] = record.clone();
+    }
+    all
+});
 
 fn check(id: &str, what: &str, estimate: Estimate, precision: f64) {
     let oracle = &ORACLES[id];

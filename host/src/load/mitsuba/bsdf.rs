@@ -2,10 +2,11 @@
 
 use super::Loader;
 use super::constants::{INDICES, METALS};
+use super::glossy::exponent;
 use super::plugin::Plugin;
 use super::texture::{Range, show};
 use super::value::number;
-use crate::description::{ColorSource, Material, Model};
+use crate::description::{Color, ColorSource, Material, Model};
 use crate::load::error::{LoadError, Problem};
 
 /// Both sides of a surface, and whether it is there at all.
@@ -17,23 +18,17 @@ pub struct Surface {
     pub back: Option<usize>,
     /// Opacity, if it isn't 1 everywhere.
     pub opacity: Option<ColorSource>,
-    transmits: bool,
+    /// Whether light goes through.
+    pub transmits: bool,
 }
 
-const KNOWN: &str =
-    "diffuse, twosided, conductor, dielectric, null, mask, diffusetransmitter or sheet";
+const KNOWN: &str = "diffuse, twosided, conductor, roughconductor, dielectric, roughdielectric, plastic, roughplastic, phong, phongdielectric, blendbsdf, null, mask, diffusetransmitter or sheet";
 
 /// Known to Mitsuba, unknown to us.
-const LATER: [&str; 19] = [
-    "roughconductor",
-    "roughdielectric",
-    "roughplastic",
-    "plastic",
-    "phong",
+const LATER: [&str; 13] = [
     "thindielectric",
     "principled",
     "principledthin",
-    "blendbsdf",
     "bumpmap",
     "normalmap",
     "hair",
@@ -64,12 +59,12 @@ impl Loader<'_> {
         surface
     }
 
-    fn push(&mut self, name: String, model: Model) -> usize {
+    pub fn push(&mut self, name: String, model: Model) -> usize {
         self.out.materials.push(Material { name, model });
         self.out.materials.len() - 1
     }
 
-    fn one_sided(&mut self, name: String, model: Model) -> Surface {
+    pub fn one_sided(&mut self, name: String, model: Model) -> Surface {
         Surface {
             front: Some(self.push(name, model)),
             back: None,
@@ -78,7 +73,7 @@ impl Loader<'_> {
         }
     }
 
-    fn both_sides(&mut self, name: String, model: Model) -> Surface {
+    pub fn both_sides(&mut self, name: String, model: Model) -> Surface {
         let material = Some(self.push(name, model));
         Surface {
             front: material,
@@ -142,6 +137,15 @@ impl Loader<'_> {
                     },
                 ))
             }
+            "roughconductor" | "plastic" | "roughplastic" | "phong" => {
+                let model = self.glossy(plugin)?;
+                Ok(self.one_sided(name, model))
+            }
+            "roughdielectric" | "phongdielectric" => {
+                let model = self.glossy(plugin)?;
+                Ok(self.both_sides(name, model))
+            }
+            "blendbsdf" => self.blend(plugin),
             "null" => Ok(self.both_sides(name, Model::Null)),
             "diffusetransmitter" => {
                 let reflectance = self.source(plugin, "reflectance", 0.5, Range::Unit)?;
@@ -173,11 +177,24 @@ impl Loader<'_> {
                     diffuse_reflectance,
                     diffuse_transmittance,
                 ] = parts;
-                let model = Model::Sheet {
-                    specular_reflectance,
-                    specular_transmittance,
-                    diffuse_reflectance,
-                    diffuse_transmittance,
+                let model = match exponent(plugin)? {
+                    None => Model::Sheet {
+                        specular_reflectance,
+                        specular_transmittance,
+                        diffuse_reflectance,
+                        diffuse_transmittance,
+                    },
+                    // Our own: its specular parts are lobes.
+                    Some(exponent) => Model::Phong {
+                        diffuse_reflectance,
+                        reflectance: specular_reflectance,
+                        transmittance: specular_transmittance,
+                        diffuse_transmittance,
+                        exponent,
+                        modified: true,
+                        ior: 1.0,
+                        fresnel: false,
+                    },
                 };
                 Ok(self.both_sides(name, model))
             }
@@ -232,54 +249,63 @@ impl Loader<'_> {
     }
 
     fn conductor(&mut self, plugin: &Plugin) -> Result<Model, LoadError> {
-        let material = plugin.string("material")?;
-        let eta = plugin.color("eta")?;
-        let k = plugin.color("k")?;
+        let index = metal(plugin)?;
         let reflectance = self.source(plugin, "specular_reflectance", 1.0, Range::Unit)?;
-        let outside = match plugin.has("ext_eta") {
-            true => index(plugin, "ext_eta", "vacuum")?,
-            false => 1.0,
-        };
-        let (eta, k) = match (material, eta, k) {
-            (None | Some("none"), None, None) => return Ok(Model::Mirror { reflectance }),
-            (Some(name), None, None) => {
-                let found = METALS.iter().find(|m| m.0 == name);
-                let found = found.ok_or_else(|| {
-                    let names: Vec<&str> = METALS.iter().map(|m| m.0).collect();
-                    plugin.invalid(
-                        "material",
-                        format!("none, {}", names.join(", ")),
-                        format!("\"{name}\""),
-                    )
-                })?;
-                (found.1, found.2)
-            }
-            (Some(name), _, _) if name != "none" => {
-                return Err(plugin.invalid(
-                    "material",
-                    "left out where eta and k are given",
-                    format!("\"{name}\""),
-                ));
-            }
-            (_, Some(eta), Some(k)) => (eta, k),
-            (_, Some(_), None) => return Err(plugin.missing("k", "rgb")),
-            (_, None, _) => return Err(plugin.missing("eta", "rgb")),
-        };
-        if eta.iter().any(|e| *e <= 0.0) {
-            return Err(plugin.invalid("eta", "> 0", show(eta)));
-        }
-        Ok(Model::Conductor {
-            eta: eta.map(|e| e / outside),
-            k: k.map(|x| x / outside),
-            reflectance,
+        Ok(match index {
+            None => Model::Mirror { reflectance },
+            Some((eta, k)) => Model::Conductor {
+                eta,
+                k,
+                reflectance,
+            },
         })
     }
 }
 
-const BLACK: ColorSource = ColorSource::Constant([0.0; 3]);
+/// η and k of a conductor relative to outside; `None` reflects everything.
+pub fn metal(plugin: &Plugin) -> Result<Option<(Color, Color)>, LoadError> {
+    let material = plugin.string("material")?;
+    let eta = plugin.color("eta")?;
+    let k = plugin.color("k")?;
+    let outside = match plugin.has("ext_eta") {
+        true => index(plugin, "ext_eta", "vacuum")?,
+        false => 1.0,
+    };
+    let (eta, k) = match (material, eta, k) {
+        (None | Some("none"), None, None) => return Ok(None),
+        (Some(name), None, None) => {
+            let found = METALS.iter().find(|m| m.0 == name);
+            let found = found.ok_or_else(|| {
+                let names: Vec<&str> = METALS.iter().map(|m| m.0).collect();
+                plugin.invalid(
+                    "material",
+                    format!("none, {}", names.join(", ")),
+                    format!("\"{name}\""),
+                )
+            })?;
+            (found.1, found.2)
+        }
+        (Some(name), _, _) if name != "none" => {
+            return Err(plugin.invalid(
+                "material",
+                "left out where eta and k are given",
+                format!("\"{name}\""),
+            ));
+        }
+        (_, Some(eta), Some(k)) => (eta, k),
+        (_, Some(_), None) => return Err(plugin.missing("k", "rgb")),
+        (_, None, _) => return Err(plugin.missing("eta", "rgb")),
+    };
+    if eta.iter().any(|e| *e <= 0.0) {
+        return Err(plugin.invalid("eta", "> 0", show(eta)));
+    }
+    Ok(Some((eta.map(|e| e / outside), k.map(|x| x / outside))))
+}
+
+pub const BLACK: ColorSource = ColorSource::Constant([0.0; 3]);
 
 /// An index of refraction: a number or a name.
-fn index(plugin: &Plugin, name: &str, default: &str) -> Result<f32, LoadError> {
+pub fn index(plugin: &Plugin, name: &str, default: &str) -> Result<f32, LoadError> {
     let found = plugin.child(name)?.map(|i| &plugin.document.nodes[i]);
     let text = match found {
         Some(node) if node.tag == "string" => plugin.string(name)?.unwrap_or(default),
@@ -306,7 +332,7 @@ fn index(plugin: &Plugin, name: &str, default: &str) -> Result<f32, LoadError> {
 }
 
 /// Constants must not make energy together; what textures add is theirs to answer for.
-fn at_most_one(plugin: &Plugin, parts: &[ColorSource], what: &str) -> Result<(), LoadError> {
+pub fn at_most_one(plugin: &Plugin, parts: &[ColorSource], what: &str) -> Result<(), LoadError> {
     let mut sum = [0.0f32; 3];
     for part in parts {
         if let ColorSource::Constant(c) = part {

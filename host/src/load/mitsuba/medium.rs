@@ -178,7 +178,7 @@ impl Loader<'_> {
             }
             "blendphase" => {
                 self.open.push(index);
-                let lobes = self.blend(&plugin);
+                let lobes = self.blended_phases(&plugin);
                 self.open.pop();
                 lobes?
             }
@@ -193,7 +193,7 @@ impl Loader<'_> {
         Ok(lobes)
     }
 
-    fn blend(&mut self, plugin: &Plugin) -> Result<Vec<Lobe>, LoadError> {
+    fn blended_phases(&mut self, plugin: &Plugin) -> Result<Vec<Lobe>, LoadError> {
         if plugin.has("weight")
             && let Some(index) = plugin.child("weight")?
             && ["volume", "texture"].contains(&self.document.nodes[index].tag.as_str())

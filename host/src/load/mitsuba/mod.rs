@@ -4,6 +4,7 @@ mod bsdf;
 mod constants;
 mod document;
 mod emitter;
+mod glossy;
 mod medium;
 mod node;
 mod plugin;

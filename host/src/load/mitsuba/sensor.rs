@@ -15,8 +15,8 @@ impl Loader<'_> {
     /// The sensor at an element; its sampler's count goes to the advice.
     pub fn load_sensor(&mut self, index: usize) -> Result<Sensor, LoadError> {
         let plugin = Plugin::new(self.document, index)?;
-        if !["perspective", "thinlens", "orthographic"].contains(&plugin.kind) {
-            return Err(plugin.unknown("perspective, thinlens or orthographic"));
+        if !["perspective", "thinlens", "orthographic", "panorama"].contains(&plugin.kind) {
+            return Err(plugin.unknown("perspective, thinlens, orthographic or panorama"));
         }
         let mut sensor = Sensor {
             medium: self.surroundings(&plugin)?,
@@ -33,7 +33,9 @@ impl Loader<'_> {
         let to_world = plugin.transform("to_world")?;
         let scale = frame(&plugin, &to_world, &mut sensor)?;
         let aspect = sensor.resolution[0] as f32 / sensor.resolution[1] as f32;
-        sensor.projection = if plugin.kind == "orthographic" {
+        sensor.projection = if plugin.kind == "panorama" {
+            Projection::Panorama
+        } else if plugin.kind == "orthographic" {
             Projection::Orthographic {
                 half_extent: [scale[0], scale[1] / aspect],
             }

@@ -100,31 +100,13 @@ impl Loader<'_> {
     }
 
     fn textured(&self, material: usize) -> bool {
+        let model = &self.out.materials[material].model;
+        let parts = match model {
+            Model::Blend { parts, .. } => parts.as_slice(),
+            _ => &[],
+        };
         let is = |s: &ColorSource| matches!(s, ColorSource::Texture(_));
-        match &self.out.materials[material].model {
-            Model::Diffuse {
-                reflectance,
-                transmittance,
-            } => is(reflectance) || is(transmittance),
-            Model::Mirror { reflectance } | Model::Conductor { reflectance, .. } => is(reflectance),
-            Model::Dielectric {
-                reflectance,
-                transmittance,
-                ..
-            } => is(reflectance) || is(transmittance),
-            Model::Null => false,
-            Model::Sheet {
-                specular_reflectance,
-                specular_transmittance,
-                diffuse_reflectance,
-                diffuse_transmittance,
-            } => {
-                is(specular_reflectance)
-                    || is(specular_transmittance)
-                    || is(diffuse_reflectance)
-                    || is(diffuse_transmittance)
-            }
-        }
+        model.colors().iter().any(is) || parts.iter().any(|&part| self.textured(part))
     }
 
     fn sphere(&mut self, plugin: &Plugin, textured: bool) -> Result<Geometry, LoadError> {

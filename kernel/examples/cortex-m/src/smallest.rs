@@ -17,6 +17,10 @@ fn main() -> ! {
         Estimator::Light,
         #[cfg(feature = "bidirectional")]
         Estimator::Bidirectional,
+        #[cfg(feature = "distributed")]
+        Estimator::Distributed,
+        #[cfg(feature = "quadrature")]
+        Estimator::QuadratureAndPath,
     ];
     if let Ok(scene) = Scene::open(blob) {
         let mut scratch = Scratch::<8>::new();

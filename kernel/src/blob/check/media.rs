@@ -1,7 +1,7 @@
 //! Media, their phase functions and their grids.
 
 use super::rules::{Checked, ensure, finite, optional, span, within, zeros};
-use crate::blob::format::{Grid, Lobe, Medium, NONE, medium};
+use crate::blob::format::{Grid, Lobe, Medium, NONE, emitter, medium};
 use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
 
@@ -25,7 +25,7 @@ pub(super) fn grid(scene: &Scene<'_>, g: &Grid, texels: &mut u64) -> Checked {
     zeros(&g.reserved, Rule::GridReserved)
 }
 
-pub(super) fn medium(scene: &Scene<'_>, m: &Medium, reads: &mut u64) -> Checked {
+pub(super) fn medium(scene: &Scene<'_>, index: usize, m: &Medium, reads: &mut u64) -> Checked {
     ensure(cfg!(feature = "media"), Rule::MediumLeftOut)?;
     ensure(m.kind <= medium::GRID, Rule::MediumKind)?;
     let known = match m.kind {
@@ -46,6 +46,11 @@ pub(super) fn medium(scene: &Scene<'_>, m: &Medium, reads: &mut u64) -> Checked 
         emission == 0.0 || (sigma > 0.0 && (albedo < 1.0 || gridded))
     });
     ensure(absorbs, Rule::MediumAbsorption)?;
+    optional(m.emitter, scene.emitters.len(), Rule::MediumEmitter)?;
+    if let Some(e) = scene.emitter(m.emitter) {
+        let own = e.kind == emitter::VOLUME && e.medium as usize == index;
+        ensure(own, Rule::MediumEmitter)?;
+    }
     m.phase.iter().try_for_each(lobe)?;
     let sum: f32 = m.phase.iter().map(|l| l.weight).sum();
     within(&[sum], 0.9999, 1.0001, Rule::LobeSum)?;
@@ -60,7 +65,7 @@ pub(super) fn medium(scene: &Scene<'_>, m: &Medium, reads: &mut u64) -> Checked 
 
 fn lobe(l: &Lobe) -> Checked {
     ensure(l.kind <= medium::FORWARD, Rule::LobeKind)?;
-    within(&[l.g], -0.999_999_9, 0.999_999_9, Rule::LobeG)?;
+    ensure(l.g.abs() < 1.0, Rule::LobeG)?;
     within(&[l.weight], 0.0, 1.0, Rule::LobeWeight)?;
     zeros(&[l.reserved], Rule::LobeReserved)
 }
@@ -87,13 +92,13 @@ fn gridded_medium(scene: &Scene<'_>, m: &Medium, reads: &mut u64) -> Checked {
     if let Some(grid) = scene.grid(m.albedos) {
         let values = values(scene, grid)?;
         read(values).ok_or(Rule::MediumBudget)?;
-        ensure(at_most(values, 1.0), Rule::MediumAlbedoGrid)?;
+        let most = 1.0 / largest(&m.albedo);
+        ensure(at_most(values, most), Rule::MediumAlbedoGrid)?;
     }
     if let Some(grid) = scene.grid(m.emissions) {
         let values = values(scene, grid)?;
         read(values).ok_or(Rule::MediumBudget)?;
-        let most = m.emission.iter().fold(0.0, |a: f32, &b| a.max(b));
-        let most = MOST_EMISSION / most;
+        let most = MOST_EMISSION / largest(&m.emission);
         ensure(at_most(values, most), Rule::MediumEmissionGrid)?;
     }
     let values = values(scene, extinctions)?;
@@ -113,6 +118,10 @@ fn gridded_medium(scene: &Scene<'_>, m: &Medium, reads: &mut u64) -> Checked {
 /// 0, or in range.
 fn extinction(sigma: &f32) -> bool {
     *sigma == 0.0 || (EXTINCTION[0]..=EXTINCTION[1]).contains(sigma)
+}
+
+fn largest(by_channel: &[f32; 3]) -> f32 {
+    by_channel.iter().fold(0.0, |a, &b| a.max(b))
 }
 
 /// All of them in [0, `most`].

@@ -84,8 +84,8 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
         media::grid(s, g, &mut texels)
     })?;
     let mut reads = media::SHARING * s.texels.len() as u64;
-    each(section::MEDIA, s.media, |_, m| {
-        media::medium(s, m, &mut reads)
+    each(section::MEDIA, s.media, |i, m| {
+        media::medium(s, i, m, &mut reads)
     })?;
     each(section::CHOICES, s.choices, |_, c| light::choice(s, c))?;
     each(section::CELLS, s.cells, |_, c| light::cell(c))?;

@@ -6,9 +6,10 @@ use super::rules::{
 use crate::blob::format::{Sensor, sensor};
 use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
+use crate::real::vec3;
 
 pub(super) fn sensor(scene: &Scene<'_>, s: &Sensor) -> Checked {
-    ensure(s.kind <= sensor::ORTHOGRAPHIC, Rule::SensorKind)?;
+    ensure(s.kind <= sensor::PANORAMA, Rule::SensorKind)?;
     ensure(s.filter <= sensor::GAUSSIAN, Rule::SensorFilter)?;
     within(&[s.filter_radius], 1e-3, 8.0, Rule::SensorFilterRadius)?;
     let gaussian = s.filter == sensor::GAUSSIAN;
@@ -31,6 +32,10 @@ pub(super) fn sensor(scene: &Scene<'_>, s: &Sensor) -> Checked {
     unit(&s.right, Rule::SensorRight)?;
     unit(&s.down, Rule::SensorDown)?;
     unit(&s.forward, Rule::SensorForward)?;
+    let axes = [(s.right, s.down), (s.down, s.forward), (s.forward, s.right)];
+    let perpendicular = |(a, b): ([f32; 3], [f32; 3])| vec3(a).dot(vec3(b)).abs() <= 1e-3;
+    let whole = s.kind != sensor::PANORAMA || axes.into_iter().all(perpendicular);
+    ensure(whole, Rule::SensorAxes)?;
     optional(s.medium, scene.media.len(), Rule::SensorMedium)?;
     zeros(&s.reserved, Rule::SensorReserved)
 }

@@ -6,12 +6,10 @@ use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
 
 pub(super) fn material(scene: &Scene<'_>, m: &Material) -> Checked {
-    ensure(m.kind <= material::SHEET, Rule::MaterialKind)?;
-    let known = match m.kind {
-        material::DIELECTRIC => material::SCHLICK,
-        _ => 0,
-    };
-    ensure(m.flags & !known == 0, Rule::MaterialFlags)?;
+    ensure(m.kind <= material::BLEND, Rule::MaterialKind)?;
+    let glossy = m.kind > material::SHEET;
+    ensure(cfg!(feature = "glossy") || !glossy, Rule::MaterialLeftOut)?;
+    ensure(m.flags & !known_flags(m.kind) == 0, Rule::MaterialFlags)?;
     within(m.color.as_flattened(), 0.0, 1.0, Rule::MaterialColor)?;
     for &t in &m.texture {
         optional(t, scene.textures.len(), Rule::MaterialTexture)?;
@@ -20,7 +18,80 @@ pub(super) fn material(scene: &Scene<'_>, m: &Material) -> Checked {
     within(&m.eta, 0.0, 1e6, Rule::MaterialEta)?;
     within(&m.k, 0.0, 1e6, Rule::MaterialK)?;
     zeros(&[m.reserved], Rule::MaterialReserved)?;
-    zeros(&m.reserved2, Rule::MaterialReserved)
+    gloss(scene, m)
+}
+
+fn known_flags(kind: u32) -> u32 {
+    use material::{BECKMANN, CAVITIES, COMPENSATED, FRESNEL, NONLINEAR, SCHLICK, SEPARABLE};
+    match kind {
+        material::DIELECTRIC => SCHLICK,
+        material::PHONG => FRESNEL,
+        material::ROUGH_CONDUCTOR => BECKMANN | SEPARABLE | CAVITIES | COMPENSATED,
+        material::ROUGH_DIELECTRIC => BECKMANN | SEPARABLE | COMPENSATED,
+        material::PLASTIC => NONLINEAR,
+        material::ROUGH_PLASTIC => BECKMANN | SEPARABLE | CAVITIES | NONLINEAR,
+        _ => 0,
+    }
+}
+
+/// What glossy materials and blends alone have; zero where a kind has no use for it.
+fn gloss(scene: &Scene<'_>, m: &Material) -> Checked {
+    let [u, v] = m.gloss;
+    match m.kind {
+        material::PHONG => {
+            within(&[u], 0.0, 1e5, Rule::MaterialExponent)?;
+            // A margin for the rounding of whoever wrote it.
+            let most = (u + 2.0) * (1.000_001 * 0.5 * core::f32::consts::FRAC_1_PI);
+            within(&[v], f32::MIN_POSITIVE, most, Rule::MaterialNormalization)?;
+        }
+        material::ROUGH_CONDUCTOR | material::ROUGH_DIELECTRIC | material::ROUGH_PLASTIC => {
+            within(&m.gloss, 1e-4, 10.0, Rule::MaterialRoughness)?;
+        }
+        _ => zeros(&m.gloss.map(f32::to_bits), Rule::MaterialReserved)?,
+    }
+    if m.kind == material::ROUGH_DIELECTRIC {
+        ensure((m.ior - 1.0).abs() >= 0.0099, Rule::MaterialRoughIor)?;
+    }
+    if m.kind == material::PLASTIC || m.kind == material::ROUGH_PLASTIC {
+        within(&[m.internal], 0.0, 0.9999, Rule::MaterialInternal)?;
+    } else {
+        zeros(&[m.internal.to_bits()], Rule::MaterialReserved)?;
+    }
+    if m.kind != material::BLEND {
+        zeros(&[m.level], Rule::MaterialReserved)?;
+        return curves(scene, m);
+    }
+    ensure(
+        (1..=material::MAX_LEVEL).contains(&m.level),
+        Rule::MaterialLevel,
+    )?;
+    for part in m.link {
+        let part = scene.materials.get(part as usize);
+        // Levels fall towards the parts: no blend is within itself.
+        let part = part.ok_or(Rule::MaterialPart)?;
+        ensure(part.level < m.level, Rule::MaterialLevel)?;
+    }
+    Ok(())
+}
+
+/// A curve is four words, any of which are good.
+fn curves(scene: &Scene<'_>, m: &Material) -> Checked {
+    let compensated = m.flags & material::COMPENSATED != 0;
+    let count = match m.kind {
+        material::ROUGH_PLASTIC => 1,
+        material::ROUGH_CONDUCTOR if compensated => 1,
+        material::ROUGH_DIELECTRIC if compensated => 2,
+        _ => 0,
+    };
+    for (i, &first) in m.link.iter().enumerate() {
+        if i < count {
+            let words = (material::CURVE / 4) as u64;
+            span(scene.texels, first, words, Rule::MaterialCurve)?;
+        } else {
+            zeros(&[first], Rule::MaterialReserved)?;
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn texture(scene: &Scene<'_>, t: &Texture, budget: &mut u64) -> Checked {

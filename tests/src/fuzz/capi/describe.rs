@@ -50,7 +50,7 @@ impl Program<'_> {
             })
         };
         (c.width, c.height) = (side(s)?, side(s)?);
-        (c.projection, c.filter) = (s.below(2)? as u32, s.below(3)? as u32);
+        (c.projection, c.filter) = (s.below(3)? as u32, s.below(3)? as u32);
         c.origin = s.numbers(-1e12, 1e12)?;
         c.direction = s.numbers(-1.0, 1.0)?;
         c.field = s.number(1e-6, 3.0)?;

@@ -34,7 +34,7 @@ impl Common {
 
     /// Whether samples add to other pixels.
     fn splats(&self) -> bool {
-        self.settings.get().estimator != ETD_PATH
+        [ETD_LIGHT, ETD_BIDIRECTIONAL].contains(&self.settings.get().estimator)
     }
 }
 
@@ -54,14 +54,37 @@ pub(super) fn settings(s: &mut Source<'_>) -> Result<Struct<EtdSettings>> {
             Ok(s.below(below)? as u32)
         }
     };
-    value.estimator = number(s, 3)?;
+    const ALWAYS: [u32; 5] = [
+        ETD_PATH,
+        ETD_LIGHT,
+        ETD_BIDIRECTIONAL,
+        ETD_DISTRIBUTED,
+        ETD_QUADRATURE_AND_PATH,
+    ];
+    let which = number(s, ALWAYS.len())?;
+    value.estimator = match ALWAYS.get(which as usize) {
+        Some(&known) => known,
+        // It depends on the scene whether that one answers.
+        None if which == ETD_QUADRATURE => u32::MAX,
+        None => which,
+    };
     value.heuristic = number(s, 4)?;
     value.max_edges = match number(s, 10)? {
         n if wild => n as i32,
         n => n as i32 - 1,
     };
     value.seed = u64::from(u16::arbitrary(&mut s.bytes)?);
-    let sound = value.estimator <= ETD_BIDIRECTIONAL
+    if value.estimator >= ETD_DISTRIBUTED {
+        value.branching = [s.below(4)? as u8, s.below(3)? as u8, 1, 0, 0, 0, 0, 0];
+        value.light_samples = number(s, 3)?.max(1);
+        value.quadrature = number(s, 8)?.max(1);
+        value.steps = number(s, 20)?.max(1);
+        value.shift = number(s, 2)?;
+    }
+    let sound = ALWAYS.contains(&value.estimator)
+        && (1..=255).contains(&value.light_samples)
+        && (1..=8).contains(&value.quadrature)
+        && (1..=65535).contains(&value.steps)
         && value.heuristic <= ETD_MAXIMUM
         && value.max_edges >= -1;
     // Paths of no limit are for scenes that are known to end them.
@@ -83,7 +106,7 @@ impl Program<'_> {
         let scratch = self.scratch()?;
         let settings = settings(&mut self.s)?;
         let mut recorder = Recorder::new(&mut self.s, scene.size)?;
-        let splats = pixels && settings.get().estimator != ETD_PATH;
+        let splats = pixels && [ETD_LIGHT, ETD_BIDIRECTIONAL].contains(&settings.get().estimator);
         let hooks = hooks(&mut self.s, &mut recorder, splats)?;
         Ok(Common {
             scene,

@@ -69,6 +69,8 @@ fn sensors_of_all_kinds() {
             half_extent: [10.0, 5.0]
         }
     );
+    let s = sensor("type='panorama'><float name='near_clip' value='.5'/>").expect("panorama");
+    assert_eq!((s.projection, s.clip), (Projection::Panorama, [0.5, 1e4]));
     let s = sensor(
         "type='thinlens'><float name='aperture_radius' value='.1'/><float name='focus_distance' value='3'/>
          <float name='fov' value='90'/>",
@@ -85,9 +87,14 @@ fn sensors_of_all_kinds() {
     for (inner, part) in [
         (
             "type='fisheye'>",
-            "unknown plugin \"fisheye\", expected perspective, thinlens or orthographic",
+            "unknown plugin \"fisheye\", expected perspective, thinlens, orthographic or panorama",
         ),
         ("type='thinlens'>", "aperture_radius is missing"),
+        (
+            "type='panorama'><transform name='to_world'><scale value='2'/></transform>",
+            "free of scale",
+        ),
+        ("type='panorama'><float name='fov' value='90'/>", "fov"),
         (
             "type='perspective'><float name='fov' value='180'/>",
             "between 0 and 180 degrees, found 180",
@@ -331,6 +338,69 @@ fn materials_that_make_energy_or_no_sense() {
             "int_ior must be > 0",
         ),
         (
+            "<bsdf type='roughconductor'><float name='alpha' value='0'/></bsdf>",
+            "alpha must be from 0.0001 to 10, found 0",
+        ),
+        (
+            "<bsdf type='roughplastic'><float name='alpha' value='-0.1'/></bsdf>",
+            "alpha must be from 0.0001 to 10, found -0.1",
+        ),
+        (
+            "<bsdf type='roughconductor'><float name='alpha_u' value='.1'/></bsdf>",
+            "alpha_v is missing",
+        ),
+        (
+            "<bsdf type='roughconductor'><float name='alpha_u' value='.1'/>
+              <float name='alpha_v' value='.2'/></bsdf>",
+            "a roughness that differs along u and v is not supported yet",
+        ),
+        (
+            "<bsdf type='roughconductor'><string name='distribution' value='phong'/></bsdf>",
+            "distribution must be beckmann or ggx",
+        ),
+        (
+            "<bsdf type='roughconductor'><rgb name='eta' value='0'/><rgb name='k' value='1'/></bsdf>",
+            "eta must be > 0",
+        ),
+        (
+            "<bsdf type='roughdielectric'><float name='int_ior' value='1'/></bsdf>",
+            "int_ior / ext_ior must be 1 % from 1 at least",
+        ),
+        (
+            "<bsdf type='roughdielectric'><string name='masking' value='cavities'/></bsdf>",
+            "masking must be separable or correlated",
+        ),
+        (
+            "<bsdf type='plastic'><float name='int_ior' value='-1.5'/></bsdf>",
+            "int_ior must be > 0",
+        ),
+        (
+            "<bsdf type='plastic'><float name='alpha' value='.1'/></bsdf>",
+            "unknown parameter \"alpha\"",
+        ),
+        (
+            "<bsdf type='phong'><float name='exponent' value='-1'/></bsdf>",
+            "exponent must be from 0 to 100000, found -1",
+        ),
+        (
+            "<bsdf type='phong'><rgb name='diffuse_reflectance' value='.5'/>
+              <rgb name='specular_reflectance' value='.6'/></bsdf>",
+            "diffuse_reflectance + specular_reflectance must be at most 1",
+        ),
+        (
+            "<bsdf type='blendbsdf'><float name='weight' value='.5'/><bsdf type='diffuse'/></bsdf>",
+            "number of nested BSDFs must be two, found 1",
+        ),
+        (
+            "<bsdf type='blendbsdf'><bsdf type='diffuse'/><bsdf type='diffuse'/></bsdf>",
+            "weight is missing",
+        ),
+        (
+            "<bsdf type='blendbsdf'><float name='weight' value='1.5'/><bsdf type='diffuse'/>
+              <bsdf type='diffuse'/></bsdf>",
+            "weight must be from 0 to 1",
+        ),
+        (
             "<bsdf type='thindielectric'/>",
             "bsdf thindielectric is not supported yet",
         ),
@@ -352,13 +422,13 @@ fn materials_that_make_energy_or_no_sense() {
 #[test]
 fn unsupported_and_unused_is_a_warning() {
     let loaded = good(
-        "<bsdf type='roughconductor' id='glossy'/><medium type='specmedium' id='fog'/><emitter type='constant'/>",
+        "<bsdf type='principled' id='glossy'/><medium type='specmedium' id='fog'/><emitter type='constant'/>",
     );
     let [glossy, fog] = loaded.warnings.as_slice() else {
         panic!("{:?}", loaded.warnings)
     };
     assert!(
-        glossy.contains("roughconductor is not supported yet") && glossy.contains("left out"),
+        glossy.contains("principled is not supported yet") && glossy.contains("left out"),
         "{glossy}"
     );
     assert!(

@@ -484,3 +484,112 @@ fn scenes_of_the_suite() {
     }
     assert!(seen > 0, "no scenes in the folder");
 }
+
+#[test]
+fn glossy_materials_have_mitsubas_defaults() {
+    let model = |bsdf: &str| {
+        let loaded = material(bsdf).unwrap_or_else(|e| panic!("{e}"));
+        loaded.description.materials[0].model.clone()
+    };
+    let grey = |g: f32| ColorSource::Constant([g; 3]);
+    let default = Facets {
+        alpha: [0.1; 2],
+        distribution: Distribution::Beckmann,
+        masking: Masking::Separable,
+        compensated: false,
+    };
+    let Model::RoughConductor { eta, k, facets, .. } = model("<bsdf type='roughconductor'/>")
+    else {
+        panic!()
+    };
+    assert_eq!((eta, k, facets), ([0.0; 3], [1.0; 3], default));
+    let Model::RoughConductor { eta, facets, .. } = model(
+        "<bsdf type='roughconductor'><string name='material' value='Au'/><string name='distribution' value='ggx'/>
+         <string name='masking' value='correlated'/><boolean name='compensated' value='true'/>
+         <float name='alpha_u' value='.3'/><float name='alpha_v' value='.3'/><rgb name='specular_reflectance' value='.5'/></bsdf>",
+    ) else {
+        panic!()
+    };
+    assert_eq!(eta, [0.143_119, 0.374_957, 1.442_479]);
+    let expected = Facets {
+        alpha: [0.3; 2],
+        distribution: Distribution::Ggx,
+        masking: Masking::Correlated,
+        compensated: true,
+    };
+    assert_eq!(facets, expected);
+    let Model::RoughDielectric { ior, facets, .. } = model(
+        "<bsdf type='roughdielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1.2'/></bsdf>",
+    ) else {
+        panic!()
+    };
+    assert_eq!((ior, facets), (1.25, default));
+    let Model::Plastic {
+        ior,
+        diffuse_reflectance,
+        reflectance,
+        nonlinear: false,
+        facets: None,
+    } = model("<bsdf type='plastic'/>")
+    else {
+        panic!()
+    };
+    assert!((ior - 1.49 / 1.000_277).abs() < 1e-6);
+    assert_eq!((diffuse_reflectance, reflectance), (grey(0.5), grey(1.0)));
+    assert!(matches!(
+        model("<bsdf type='roughplastic'><boolean name='nonlinear' value='true'/></bsdf>"),
+        Model::Plastic { nonlinear: true, facets: Some(f), .. } if f == default
+    ));
+    assert!(matches!(
+        model("<bsdf type='phong'/>"),
+        Model::Phong { exponent: 30.0, modified: true, ior: 1.0, fresnel: false, reflectance, .. }
+            if reflectance == grey(0.2)
+    ));
+    assert!(matches!(
+        model("<bsdf type='phongdielectric'><float name='exponent' value='9'/></bsdf>"),
+        Model::Phong {
+            exponent: 9.0,
+            fresnel: true,
+            ..
+        }
+    ));
+    assert!(matches!(
+        model(
+            "<bsdf type='sheet'><float name='specular_reflectance' value='.2'/><float name='exponent' value='50'/></bsdf>"
+        ),
+        Model::Phong { exponent: 50.0, ior: 1.0, reflectance, .. } if reflectance == grey(0.2)
+    ));
+}
+
+#[test]
+fn blends_are_of_both_sides() {
+    let sides = |bsdf: &str| {
+        let loaded = material(bsdf).unwrap_or_else(|e| panic!("{e}"));
+        let shape = &loaded.description.shapes[0];
+        let parts = |side: Option<usize>| {
+            side.map(|m| match loaded.description.materials[m].model {
+                Model::Blend { parts, weight } => {
+                    assert_eq!(weight, ColorSource::Constant([0.25; 3]));
+                    parts
+                }
+                _ => panic!("no blend"),
+            })
+        };
+        (parts(shape.front), parts(shape.back))
+    };
+    let weight = "<float name='weight' value='.25'/>";
+    // One-sided parts make a one-sided blend, which can be made two-sided.
+    let one = format!(
+        "<bsdf type='blendbsdf'>{weight}<bsdf type='diffuse'/><bsdf type='plastic'/></bsdf>"
+    );
+    assert_eq!(sides(&one), (Some([0, 1]), None));
+    let two = format!("<bsdf type='twosided'>{one}</bsdf>");
+    assert_eq!(sides(&two), (Some([0, 1]), Some([0, 1])));
+    // With glass there is something behind: black where the diffuse part has nothing.
+    let glass = format!(
+        "<bsdf type='blendbsdf'>{weight}<bsdf type='diffuse'/><bsdf type='dielectric'/></bsdf>"
+    );
+    let (front, back) = sides(&glass);
+    assert_eq!(front, Some([0, 1]));
+    assert_eq!(back.map(|b| b[1]), Some(1));
+}

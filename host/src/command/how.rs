@@ -1,0 +1,134 @@
+//! The flags that say how light is estimated, for all commands that do it.
+
+use clap::ValueEnum;
+use etendue::estimate::{LEVELS, Rule, Tree};
+use etendue::{Estimator, Heuristic, Settings};
+
+/// How light is estimated.
+#[derive(clap::Args, Debug)]
+pub struct How {
+    /// How light is estimated
+    #[arg(long, value_enum, default_value_t = EstimatorName::Path)]
+    estimator: EstimatorName,
+    /// How strategies share a path (multiple importance sampling)
+    #[arg(long, value_enum, default_value_t = HeuristicName::Power)]
+    mis: HeuristicName,
+    /// distributed: rays that go on from a vertex, by level; paths have at most an edge more than there are levels
+    #[arg(long, value_name = "N,N,…", default_value = "8,4,2,1", value_parser = branching)]
+    branching: Branching,
+    /// distributed: samples of lights at each vertex
+    #[arg(long, value_name = "N", default_value_t = Tree::default().lights, value_parser = clap::value_parser!(u8).range(1..))]
+    light_samples: u8,
+    /// quadrature: nodes of the Gauss–Legendre rule in each direction across a light
+    #[arg(long, value_name = "N", default_value_t = Rule::default().order, value_parser = clap::value_parser!(u8).range(1..=i64::from(Rule::MAX_ORDER)))]
+    quadrature: u8,
+    /// quadrature: steps of the trapezoid rule along a way through a medium
+    #[arg(long, value_name = "N", default_value_t = Rule::default().steps, value_parser = clap::value_parser!(u16).range(1..))]
+    steps: u16,
+    /// quadrature: equal steps shifted at random in place of these rules, without bias
+    #[arg(long)]
+    shift: bool,
+    /// Selects the random numbers: the same seed gives the same bits
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Most edges of a path: 1 shows emitters, 2 adds direct light; -1 is no limit [default: what the scene says, or no limit]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-1..))]
+    max_depth: Option<i32>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum EstimatorName {
+    /// walk from the camera, lights sampled at each vertex
+    Path,
+    /// walk from the lights, vertices joined to the camera
+    Light,
+    /// both walks and all connections between them
+    Bidirectional,
+    /// ray trees to a stated depth; longer paths are left out
+    Distributed,
+    /// direct light and single scattering by deterministic rules; all other light is left out
+    Quadrature,
+    /// the same, and what it leaves out by path
+    #[value(name = "quadrature+path")]
+    QuadratureAndPath,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum HeuristicName {
+    /// in proportion to the densities
+    Balance,
+    /// in proportion to their squares
+    Power,
+    /// balance among those within a tenth of the largest
+    Cutoff,
+    /// all to the largest
+    Maximum,
+}
+
+/// Rays by level.
+#[derive(Clone, Copy, Debug)]
+struct Branching([u8; LEVELS]);
+
+/// The most rays of a tree: a level's vertices come to as many as this, in all.
+const MOST_RAYS: u32 = 1 << 14;
+
+/// `8,4,2`.
+fn branching(text: &str) -> Result<Branching, String> {
+    let expected = || {
+        format!(
+            "expected 1 to {LEVELS} numbers from 1 to 255 like 8,4,2, whose product is at most {MOST_RAYS}, found {text:?}"
+        )
+    };
+    let mut levels = [0; LEVELS];
+    let mut rays = 1u32;
+    for (i, number) in text.split(',').enumerate() {
+        let n = number.trim().parse::<u8>().ok().filter(|&n| n > 0);
+        let (Some(slot), Some(n)) = (levels.get_mut(i), n) else {
+            return Err(expected());
+        };
+        *slot = n;
+        rays = rays.saturating_mul(n.into());
+    }
+    if rays > MOST_RAYS {
+        return Err(expected());
+    }
+    Ok(Branching(levels))
+}
+
+impl How {
+    /// The kernel's settings, with what the scene's file advises on the length of paths.
+    pub fn settings(&self, advised_depth: Option<u32>) -> Settings {
+        Settings {
+            estimator: match self.estimator {
+                EstimatorName::Path => Estimator::Path,
+                EstimatorName::Light => Estimator::Light,
+                EstimatorName::Bidirectional => Estimator::Bidirectional,
+                EstimatorName::Distributed => Estimator::Distributed,
+                EstimatorName::Quadrature => Estimator::Quadrature,
+                EstimatorName::QuadratureAndPath => Estimator::QuadratureAndPath,
+            },
+            heuristic: match self.mis {
+                HeuristicName::Balance => Heuristic::Balance,
+                HeuristicName::Power => Heuristic::Power,
+                HeuristicName::Cutoff => Heuristic::Cutoff,
+                HeuristicName::Maximum => Heuristic::Maximum,
+            },
+            max_edges: match self.max_depth {
+                Some(n) => u32::try_from(n).ok(),
+                None => advised_depth,
+            },
+            seed: self.seed,
+            tree: Tree {
+                branching: self.branching.0,
+                lights: self.light_samples,
+            },
+            rule: Rule {
+                order: self.quadrature,
+                steps: self.steps,
+                shift: self.shift,
+                ..Rule::default()
+            },
+            ..Settings::default()
+        }
+    }
+}

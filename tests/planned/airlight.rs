@@ -1,0 +1,139 @@
+//! Light of a point, scattered once on the way to a wall (`tests/data/airlight.json`): values, and the errors of the rule itself.
+
+use etendue_host::description::{EmitterKind, Phase};
+use etendue_tests::render::blob;
+use etendue_tests::scenes::Builder;
+use glam::{DVec3, Vec3};
+use serde_json::Value;
+use std::sync::LazyLock;
+
+static DATA: LazyLock<Value> =
+    LazyLock::new(|| serde_json::from_str(include_str!("../data/airlight.json")).unwrap());
+
+struct Found {
+    single: f64,
+    double: f64,
+}
+
+fn number(o: &Value, name: &str) -> f64 {
+    o[name].as_f64().unwrap_or_else(|| panic!("{o}: no {name}"))
+}
+
+/// Radiance from the line of sight, by `steps` steps.
+fn radiance(o: &Value, steps: u16, shift: Option<u64>) -> Found {
+    let mut b = Builder::new();
+    let (sigma, albedo, g) = (number(o, "sigma_t"), number(o, "albedo"), number(o, "g"));
+    let phase = if g == 0.0 {
+        Phase::Isotropic
+    } else {
+        Phase::HenyeyGreenstein { g: g as f32 }
+    };
+    let fog = b.medium([sigma as f32; 3], [albedo as f32; 3], phase);
+    b.fog([-40.0; 3], [40.0; 3], fog);
+    if let Some(x) = o["wall"].as_f64() {
+        let x = x as f32;
+        b.quad([x, -30.0, -30.0], [0.0, 60.0, 0.0], [0.0, 0.0, 60.0], None);
+    }
+    b.light(EmitterKind::Point {
+        position: [0.0, number(o, "light") as f32, 0.0],
+        intensity: [1.0; 3],
+    });
+    b.description.emitters.last_mut().unwrap().medium = Some(fog);
+    let bytes = blob(&b.description);
+    let eye = number(o, "eye");
+    let index = shift.unwrap_or(0);
+    let single = {
+        let settings = etendue::Settings {
+            estimator: etendue::Estimator::Quadrature,
+            rule: etendue::estimate::Rule {
+                steps,
+                shift: shift.is_some(),
+                ..etendue::estimate::Rule::default()
+            },
+            ..etendue::Settings::default()
+        };
+        let scene = etendue::Scene::open(bytes.bytes()).unwrap();
+        let mut scratch = etendue::Scratch::<8>::new();
+        let eye = Vec3::new(eye as f32, 0.0, 0.0);
+        scene
+            .radiance(&settings, eye, Vec3::X, 0, index, &mut scratch)
+            .g
+    };
+    let settings = etendue_f64::Settings {
+        estimator: etendue_f64::Estimator::Quadrature,
+        rule: etendue_f64::estimate::Rule {
+            steps,
+            shift: shift.is_some(),
+            ..etendue_f64::estimate::Rule::default()
+        },
+        ..etendue_f64::Settings::default()
+    };
+    let scene = etendue_f64::Scene::open(bytes.bytes()).unwrap();
+    let mut scratch = etendue_f64::Scratch::<8>::new();
+    let eye = DVec3::new(eye, 0.0, 0.0);
+    let double = scene
+        .radiance(&settings, eye, DVec3::X, 0, index, &mut scratch)
+        .g;
+    Found {
+        single: single.into(),
+        double,
+    }
+}
+
+/// With 16384 steps the rule's own error is below 1e-5 of the value; blobs have single precision's parameters, the values 1e-7 of error by that.
+#[test]
+fn values_are_met_by_fine_steps() {
+    for o in DATA["airlight"].as_array().unwrap() {
+        let found = radiance(o, 16384, None);
+        let truth = number(o, "value");
+        let off = |x: f64| (x / truth - 1.0).abs();
+        let id = &o["id"];
+        assert!(
+            off(found.double) < 2e-5,
+            "{id}: {} for {truth}",
+            found.double
+        );
+        assert!(
+            off(found.single) < 2e-3,
+            "{id}: {} for {truth}",
+            found.single
+        );
+    }
+}
+
+/// The rule's error is that of the trapezoid rule in the angle, number by number, and of order 2.
+#[test]
+fn errors_are_those_of_the_trapezoid_rule() {
+    for o in DATA["orders"].as_array().unwrap() {
+        let truth = number(o, "value");
+        for (steps, error) in o["errors"].as_object().unwrap() {
+            let steps: u16 = steps.parse().unwrap();
+            let error = error.as_f64().unwrap();
+            let found = radiance(o, steps, None).double - truth;
+            // The blob's parameters are rounded to single precision.
+            let allowed = 1e-3 * error.abs() + 3e-7 * truth;
+            assert!(
+                (found - error).abs() < allowed,
+                "{} by {steps} steps: error {found:e}, expected {error:e}",
+                o["id"]
+            );
+        }
+    }
+}
+
+/// A random shift takes the bias away: the mean of 4096 samples of 4 steps.
+#[test]
+fn shifted_steps_are_unbiased() {
+    for o in DATA["orders"].as_array().unwrap() {
+        let truth = number(o, "value");
+        let samples: Vec<f64> = (0..4096).map(|i| radiance(o, 4, Some(i)).double).collect();
+        let e = etendue_tests::render::Estimate::of(&samples);
+        let z = (e.mean - truth) / e.error;
+        // P(|z| > 5) = 6e-7, three times.
+        assert!(
+            z.abs() < 5.0 && e.error < 0.02 * truth,
+            "{}: {e:?} for {truth}",
+            o["id"]
+        );
+    }
+}

@@ -1,0 +1,159 @@
+//! Albedos to be met: P23 (Phong), P24 (microfacets), P20's varnish (plastic).
+
+use super::energy::albedo;
+use super::kernel::real::Real;
+use super::kernel::spectrum::{Rgb, Spectrum};
+use super::kernel::surface::curve::Curve;
+use super::kernel::surface::microfacet::Masking;
+use super::kernel::surface::{Diffuse, Mode, Phong, Plastic, RoughConductor, Surface};
+use super::zoo::{Random, Specimen, channels, direction, facets};
+use etendue_tests::oracles::oracles;
+use etendue_tests::statistics::{Family, Moments, chi_square};
+use std::f64::consts::{PI, TAU};
+
+fn specimen(surface: Surface<Rgb>) -> Specimen {
+    Specimen {
+        name: "oracle",
+        surface,
+        lossless: false,
+        glossy: true,
+        reciprocal: Some(1.0),
+    }
+}
+
+fn phong(n: f64) -> Surface<Rgb> {
+    Surface::Phong(Phong {
+        diffuse: Diffuse {
+            reflectance: Rgb::BLACK,
+            transmittance: Rgb::BLACK,
+        },
+        reflectance: Rgb::WHITE,
+        transmittance: Rgb::BLACK,
+        exponent: n as Real,
+        normalization: ((n + 2.0) / TAU) as Real,
+        ior: 1.0,
+        fresnel: false,
+    })
+}
+
+/// By draws, which works for any exponent: what they carry, and how many stay above the surface.
+#[test]
+fn phong_albedos() {
+    const DRAWS: u64 = 100_000;
+    let mut random = Random::new(20);
+    let mut family = Family::new();
+    for oracle in oracles("P23_phong", "phong_albedo") {
+        let n = oracle.parameter("n");
+        let w = direction((oracle.parameter("degrees") * PI / 180.0).cos(), 0.3);
+        let mut moments = Moments::default();
+        for _ in 0..DRAWS {
+            let s = random.scatter(&phong(n), w, Mode::Radiance);
+            moments.add(s.map_or(0.0, |s| channels(s.weight)[0]));
+        }
+        // Of a cosine at 89° single precision has 2e-6.
+        family.add(moments.against(oracle.value, 1e-5), &oracle.id);
+    }
+    for oracle in oracles("P23_phong", "phong_lobe_above") {
+        let n = oracle.parameter("n");
+        let w = direction((oracle.parameter("degrees") * PI / 180.0).cos(), 0.3);
+        let above = (0..DRAWS)
+            .filter(|_| random.scatter(&phong(n), w, Mode::Radiance).is_some())
+            .count() as u64;
+        let share = oracle.value.clamp(1e-7, 1.0 - 1e-7);
+        let expected = [share, 1.0 - share].map(|s| s * DRAWS as f64);
+        family.add(chi_square(&[above, DRAWS - above], &expected), &oracle.id);
+    }
+    family.judge();
+}
+
+/// The same by `eval`, where the quadrature sees the lobe.
+#[test]
+fn phong_albedos_by_quadrature() {
+    for oracle in oracles("P23_phong", "phong_albedo") {
+        let n = oracle.parameter("n");
+        if n > 200.0 {
+            continue;
+        }
+        let w = direction((oracle.parameter("degrees") * PI / 180.0).cos(), 0.3);
+        let got = albedo(&specimen(phong(n)), w)[0];
+        assert!((got - oracle.value).abs() < 1e-4, "{}: {got}", oracle.id);
+    }
+}
+
+fn microfacets(id: &str, n: f64, alpha: f64) -> Surface<Rgb> {
+    let (beckmann, masking) = match id.split('_').nth(1) {
+        Some("gcorr") => (false, Masking::Correlated),
+        Some("gsep") => (false, Masking::Separable),
+        Some("bcorr") => (true, Masking::Correlated),
+        Some("bV") => (true, Masking::Cavities),
+        other => panic!("{other:?}"),
+    };
+    let (eta, k) = if n > 0.0 { (n, 0.0) } else { (0.0, 1.0) };
+    Surface::RoughConductor(RoughConductor {
+        facets: facets(alpha as Real, beckmann, masking),
+        eta: Rgb::grey(eta as Real),
+        k: Rgb::grey(k as Real),
+        reflectance: Rgb::WHITE,
+        mean: Rgb::BLACK,
+        loss: Curve::ZERO,
+    })
+}
+
+#[test]
+fn microfacet_albedos() {
+    let mut random = Random::new(21);
+    let mut family = Family::new();
+    for oracle in oracles("P24_microfacet", "mf_") {
+        let (n, alpha) = (oracle.parameter("n"), oracle.parameter("alpha"));
+        let surface = microfacets(&oracle.id, n, alpha);
+        let w = direction(oracle.parameter("cos"), 0.3);
+        let mut moments = Moments::default();
+        for _ in 0..40_000 {
+            let s = random.scatter(&surface, w, Mode::Radiance);
+            moments.add(s.map_or(0.0, |s| channels(s.weight)[0]));
+        }
+        family.add(moments.against(oracle.value, 1e-5), &oracle.id);
+        if alpha >= 0.2 {
+            let got = albedo(&specimen(surface), w)[0];
+            assert!((got - oracle.value).abs() < 3e-4, "{}: {got}", oracle.id);
+        }
+    }
+    family.judge();
+}
+
+/// Over the hemisphere a varnished Lambertian reflects what Saunderson says.
+#[test]
+fn varnish() {
+    for oracle in oracles("P20_diffuse_fresnel", "varnish") {
+        let (n, rho) = (oracle.parameter("n"), oracle.parameter("rho"));
+        // ρ_i by the midpoint rule: 1 − (1 − ρ_e)/n².
+        const STEPS: u32 = 512;
+        let hemisphere = |f: &dyn Fn(f64) -> f64| -> f64 {
+            (0..STEPS)
+                .map(|i| {
+                    let t = (f64::from(i) + 0.5) / f64::from(STEPS);
+                    4.0 * t.powi(3) * f(t * t) / f64::from(STEPS)
+                })
+                .sum()
+        };
+        let enters = hemisphere(&|cos| {
+            let boundary = super::kernel::surface::fresnel::dielectric(1.0, n as Real, cos as Real);
+            boundary.transmitted as f64
+        });
+        let inside = 1.0 - enters / (n * n);
+        let plastic = specimen(Surface::Plastic(Plastic {
+            base: Rgb::grey((rho / (n * n * (1.0 - rho * inside))) as Real),
+            reflectance: Rgb::WHITE,
+            ior: n as Real,
+        }));
+        const NODES: u32 = 24;
+        let got: f64 = (0..NODES)
+            .map(|i| {
+                let t = (f64::from(i) + 0.5) / f64::from(NODES);
+                let cos = t * t;
+                4.0 * t.powi(3) * albedo(&plastic, direction(cos, 0.3))[0] / f64::from(NODES)
+            })
+            .sum();
+        assert!((got - oracle.value).abs() < 2e-3, "{}: {got}", oracle.id);
+    }
+}

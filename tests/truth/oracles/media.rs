@@ -1,0 +1,296 @@
+//! Scattering volumes: slabs (van de Hulst, Chandrasekhar, adding-doubling), single scattering of a point and of the sun, absorbing glass.
+//!
+//! An infinite slab is a square column between perfect mirrors. By reciprocity what it returns of a beam along the normal is
+//! the radiance seen along the normal under a uniform light from that side.
+
+use super::{Ask, ORACLES, ask, ask_by, sky};
+use etendue::Estimator;
+use etendue_host::blob::AlignedBlob;
+use etendue_host::description::{EmitterKind, Grid, GridValues, Medium, Phase, Tracking};
+use etendue_tests::render::blob;
+use etendue_tests::scenes::Builder;
+
+/// What a slab of thickness 1 is made of.
+#[derive(Clone, Copy)]
+struct Slab {
+    /// Optical thickness.
+    tau: f32,
+    albedo: f32,
+    g: f32,
+    /// Of what it is embedded in 1.
+    ior: f32,
+    /// As a constant grid, tracked like this.
+    grid: Option<Tracking>,
+    /// How large everything is.
+    scale: f32,
+}
+
+impl Slab {
+    fn new(tau: f32, albedo: f32, g: f32) -> Self {
+        Self {
+            tau,
+            albedo,
+            g,
+            ior: 1.0,
+            grid: None,
+            scale: 1.0,
+        }
+    }
+
+    fn blob(&self) -> AlignedBlob {
+        let mut b = Builder::new();
+        let mirror = Some(b.mirror(1.0));
+        let (low, height) = (-0.75, 2.5);
+        b.quad([0.0, 0.0, low], [1.0, 0.0, 0.0], [0.0, 0.0, height], mirror);
+        b.quad([0.0, 1.0, low], [1.0, 0.0, 0.0], [0.0, 0.0, height], mirror);
+        b.quad([0.0, 0.0, low], [0.0, 1.0, 0.0], [0.0, 0.0, height], mirror);
+        b.quad([1.0, 0.0, low], [0.0, 1.0, 0.0], [0.0, 0.0, height], mirror);
+        // The light from above; below it is dark.
+        b.quad([0.0, 0.0, 1.5], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], None)
+            .emission = Some([1.0; 3]);
+        let phase = if self.g == 0.0 {
+            Phase::Isotropic
+        } else {
+            Phase::HenyeyGreenstein { g: self.g }
+        };
+        let matter = Medium {
+            sigma_t: [self.tau / self.scale; 3],
+            albedo: [self.albedo; 3],
+            phase: vec![phase.into()],
+            ..Medium::default()
+        };
+        // Beyond the mirrors, so that no boundaries coincide.
+        let (low, high) = ([-0.5, -0.5, 0.0], [1.5, 1.5, 1.0]);
+        let medium = match self.grid {
+            None => b.matter(matter),
+            Some(tracking) => {
+                let grid = Grid {
+                    size: [3, 2, 5],
+                    values: GridValues::Gray(vec![1.0; 30]),
+                    nearest: false,
+                };
+                let id = b.smoke(low, high, grid, matter);
+                b.description.media[id].grids.as_mut().unwrap().tracking = tracking;
+                id
+            }
+        };
+        let boundary = if self.ior == 1.0 {
+            b.null()
+        } else {
+            b.glass(self.ior)
+        };
+        b.cuboid(low, high, false, Some(boundary)).interior = Some(medium);
+        blob(&b.transformed(self.scale, [0.0; 3]).description)
+    }
+
+    /// Asks for one of its four numbers: UR1, UT1 (along the normal), URU, UTU (diffuse).
+    fn ask(&self, id: &str, samples: u64, precision: f64) {
+        let bytes = self.blob();
+        let at = |z: f32| [0.37, 0.41, z].map(|x| x * self.scale);
+        let what = match id.rsplit('_').next().unwrap() {
+            "UR1" => Ask::Ray(at(1.4), [0.0, 0.0, -1.0]),
+            "UT1" => Ask::Ray(at(-0.4), [0.0, 0.0, 1.0]),
+            "URU" => Ask::Irradiance(at(1.3), [0.0, 0.0, -1.0]),
+            _ => Ask::Irradiance(at(-0.4), [0.0, 0.0, 1.0]),
+        };
+        // Of the diffuse ones the file has π times the value: an irradiance.
+        ask(&bytes, id, what, samples, None, precision);
+    }
+}
+
+/// The numbers in `slab_a0.5_tau1_g0.75_UR1`, or in a name of the others.
+fn named(id: &str) -> Slab {
+    let number = |key: &str| {
+        id.split('_')
+            .find_map(|part| part.strip_prefix(key)?.parse::<f32>().ok())
+    };
+    Slab {
+        ior: number("n").unwrap_or(1.0),
+        ..Slab::new(
+            // Nothing comes back from 40 mean free paths deep that single precision would notice where absorption is this strong.
+            number("tau").filter(|t| t.is_finite()).unwrap_or(40.0),
+            number("a").unwrap_or(1.0),
+            number("g").unwrap_or(0.0),
+        )
+    }
+}
+
+fn ids(prefix: &str) -> Vec<String> {
+    let all = ORACLES.as_object().unwrap().keys();
+    let mut found: Vec<String> = all.filter(|k| k.starts_with(prefix)).cloned().collect();
+    found.sort();
+    assert!(!found.is_empty(), "no oracle {prefix}");
+    found
+}
+
+/// Matched boundaries, over albedo, thickness and asymmetry.
+#[test]
+fn slabs() {
+    for id in ids("slab_a") {
+        named(&id).ask(&id, 400, 0.03);
+    }
+}
+
+/// Dielectric boundaries; specular reflection included.
+#[test]
+fn slabs_of_another_index() {
+    for id in ids("slab_n1.33_a").into_iter().chain(ids("slab_n1.5_a")) {
+        named(&id).ask(&id, 400, 0.03);
+    }
+}
+
+/// A constant grid is the homogeneous medium, however it is tracked.
+#[test]
+fn slabs_of_constant_grids() {
+    let id = "slab_a0.95_tau2_g0.5_UR1";
+    for tracking in [Tracking::Woodcock, Tracking::Residual, Tracking::Regular] {
+        let slab = Slab {
+            grid: Some(tracking),
+            ..named(id)
+        };
+        slab.ask(id, 400, 0.03);
+    }
+}
+
+/// Where single precision would fail first.
+#[test]
+fn extreme_slabs() {
+    let thin = |albedo, g| Slab::new(1e-6, albedo, g);
+    thin(1.0, 0.0).ask("thin_tau1e-6_a1.0_g0.0_UR1", 40_000, 0.5);
+    Slab::new(1.0, 1.0, -0.999).ask("peak_g-0.999_tau1_URU", 200, 0.03);
+    Slab::new(10.0, 1.0, 0.99).ask("peak_g0.99_tau10_URU", 300, 0.05);
+    for (id, scale) in [("scale_medium_0.0001", 1e-4), ("scale_medium_1e+06", 1e6)] {
+        let slab = Slab {
+            scale,
+            ..Slab::new(2.0, 0.9, 0.75)
+        };
+        let bytes = slab.blob();
+        let at = [0.37, 0.41, 1.4].map(|x| x * scale);
+        ask(&bytes, id, Ask::Ray(at, [0.0, 0.0, -1.0]), 600, None, 0.03);
+    }
+}
+
+/// A half-space that scatters isotropically, by Chandrasekhar's H functions: its albedo towards a direction.
+#[test]
+fn half_spaces() {
+    for id in ids("H_planealbedo") {
+        let number = |key: &str| {
+            id.split('_')
+                .find_map(|part| part.strip_prefix(key)?.parse::<f32>().ok())
+                .unwrap()
+        };
+        let (albedo, mu) = (number("a"), number("mu"));
+        let bytes = Slab::new(30.0, albedo, 0.0).blob();
+        let direction = [(1.0 - mu * mu).sqrt(), 0.0, -mu];
+        let ray = Ask::Ray([0.37, 0.41, 1.2], direction);
+        ask(&bytes, &id, ray, 400, None, 0.03);
+    }
+}
+
+/// Fog that fills everything, seen along a ray that ends at a black wall.
+fn fog(sigma_t: f32, albedo: f32, g: f32) -> Builder {
+    let mut b = Builder::new();
+    let phase = if g == 0.0 {
+        Phase::Isotropic
+    } else {
+        Phase::HenyeyGreenstein { g }
+    };
+    let fog = b.medium([sigma_t; 3], [albedo; 3], phase);
+    b.fog([-200.0; 3], [200.0; 3], fog);
+    b
+}
+
+/// Light of a point, scattered once on its way to a ray ("airlight").
+#[test]
+fn airlight() {
+    // Distance of the light, where the ray begins and ends, extinction, albedo, g.
+    let cases = [
+        ("airlight_iso_0", 1.0, -5.0, 5.0, 0.1, 1.0, 0.0),
+        ("airlight_hg_0", 1.0, -5.0, 5.0, 0.1, 1.0, 0.75),
+        ("airlight_hg_3", 0.1, -2.0, 2.0, 0.3, 1.0, 0.5),
+        ("airlight_hg_6", 0.05, -4.0, -0.2, 0.2, 1.0, 0.95),
+    ];
+    for (id, height, camera, wall, sigma_t, albedo, g) in cases {
+        let mut b = fog(sigma_t, albedo, g);
+        b.quad(
+            [wall, -99.0, -99.0],
+            [0.0, 198.0, 0.0],
+            [0.0, 0.0, 198.0],
+            None,
+        );
+        b.light(EmitterKind::Point {
+            position: [0.0, height, 0.0],
+            intensity: [1.0; 3],
+        });
+        b.description.emitters[0].medium = Some(0);
+        let ray = Ask::Ray([camera, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        let bytes = blob(&b.description);
+        ask_by(&[Estimator::Path], &bytes, id, ray, 1500, Some(2), 0.01);
+        // Without equiangular sampling there is more noise.
+        let both = [Estimator::Bidirectional];
+        ask_by(&both, &bytes, id, ray, 6000, Some(2), 0.06);
+    }
+}
+
+/// The sun through a slit in a black plane, scattered once on its way to a ray.
+#[test]
+fn light_shaft() {
+    let mut b = Builder::new();
+    let fog = b.medium([0.1; 3], [1.0; 3], Phase::Isotropic);
+    b.fog([-200.0, -200.0, -200.0], [200.0, 3.0, 200.0], fog);
+    // Just above the fog's surface: it casts the same shadow.
+    for (from, to) in [(-200.0, 4.0), (6.0, 200.0)] {
+        b.quad(
+            [from, 3.001, -200.0],
+            [to - from, 0.0, 0.0],
+            [0.0, 0.0, 400.0],
+            None,
+        );
+    }
+    b.quad(
+        [10.0, -50.0, -50.0],
+        [0.0, 52.0, 0.0],
+        [0.0, 0.0, 100.0],
+        None,
+    );
+    b.light(EmitterKind::Directional {
+        direction: [0.0, -1.0, 0.0],
+        irradiance: [1.0; 3],
+    });
+    let ray = Ask::Ray([0.0; 3], [1.0, 0.0, 0.0]);
+    ask(&blob(&b.description), "shaft_0", ray, 4000, Some(2), 0.02);
+}
+
+/// A plate of glass that absorbs, before a uniform sky.
+#[test]
+fn absorbing_plates() {
+    for id in ids("slab_T_n").into_iter().filter(|id| id.contains("abs")) {
+        let number = |key: &str| {
+            id.split('_')
+                .find_map(|part| part.strip_prefix(key)?.parse::<f32>().ok())
+                .unwrap()
+        };
+        let (ior, cos, absorption) = (number("n"), number("c"), number("abs"));
+        let mut b = Builder::new();
+        let tint = b.medium([absorption; 3], [0.0; 3], Phase::Isotropic);
+        let glass = b.glass(ior);
+        b.cuboid(
+            [-500.0, -500.0, 0.0],
+            [500.0, 500.0, 1.0],
+            false,
+            Some(glass),
+        )
+        .interior = Some(tint);
+        // Black from above: only what comes through counts.
+        b.quad(
+            [-400.0, -400.0, 2.0],
+            [800.0, 0.0, 0.0],
+            [0.0, 800.0, 0.0],
+            None,
+        );
+        sky(&mut b);
+        let direction = [(1.0 - cos * cos).sqrt(), 0.0, -cos];
+        let ray = Ask::Ray([-direction[0] / cos * 0.5, 0.0, 1.5], direction);
+        ask(&blob(&b.description), &id, ray, 3000, None, 0.03);
+    }
+}
