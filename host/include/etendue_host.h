@@ -2,7 +2,7 @@
  *
  * Link libetendue_host.a, which holds all of etendue.h too, instead of libetendue.a.
  *
- * Call order: etd_builder_create; add textures, materials, objects, lights, the camera; etd_builder_build; or
+ * Call order: etd_builder_create; add textures, materials, media, objects, lights, the camera; etd_builder_build; or
  * etd_load_file instead of all that. Then etd_scene_open on the blob, and etd_host_render, or any function of etendue.h.
  *
  * etendue.h's conventions hold: units, axes, statuses, struct_size; besides:
@@ -142,6 +142,27 @@
 // Flag: the value is the alpha channel.
 #define ETD_ALPHA 8
 
+// Scatters alike in all directions.
+#define ETD_PHASE_ISOTROPIC 0
+
+// Henyey and Greenstein's, with the asymmetry `g`.
+#define ETD_PHASE_HG 1
+
+// Rayleigh's, of particles much smaller than wavelengths.
+#define ETD_PHASE_RAYLEIGH 2
+
+// Straight on.
+#define ETD_PHASE_FORWARD 3
+
+// Grids are tracked by Woodcock's method, transmittance by ratio tracking.
+#define ETD_TRACK_WOODCOCK 0
+
+// Transmittance by residual ratio tracking; `extinction` has one channel.
+#define ETD_TRACK_RESIDUAL 1
+
+// Cell by cell, exactly.
+#define ETD_TRACK_REGULAR 2
+
 // A point: `color` is its radiant intensity, W/sr.
 #define ETD_LIGHT_POINT 0
 
@@ -163,9 +184,6 @@
 // A scene that is being described: made by `etd_builder_create`, freed by `etd_builder_free`. It copies what it is given; arrays stay the
 // caller's and may go when the call returns. One thread at a time; different builders are independent.
 typedef struct EtdBuilder EtdBuilder;
-
-// Media are reserved: no library makes or takes one yet.
-typedef struct EtdMedium EtdMedium;
 
 // A compiled scene: `etd_scene_open(ETD_ABI_VERSION, blob.data, blob.size, …)` opens it. It belongs to the caller and knows nothing of
 // the builder it came from; it may be stored and read back. Free it with `etd_blob_free`, after the last use of scenes opened on it.
@@ -362,6 +380,58 @@ typedef struct EtdSphere {
     uint32_t flipped;
 } EtdSphere;
 
+// A part of a phase function.
+typedef struct EtdLobe {
+    // `ETD_PHASE_…`.
+    uint32_t kind;
+    // `ETD_PHASE_HG`: mean cosine between the directions in which light travels, in (−1, 1); > 0 is forwards.
+    float g;
+    // Its share relative to the others', ≥ 0.
+    float weight;
+} EtdLobe;
+
+// Numbers over a box, each of them for the middle of its texel.
+typedef struct EtdGrid {
+    // Texels in x, y and z, each 1 to 4096.
+    uint32_t size[3];
+    // Numbers to a texel: 1, or 3 for RGB.
+    uint32_t channels;
+    // 1: those of the nearest texel; 0: trilinear between them.
+    uint32_t nearest;
+    // Zero.
+    uint32_t reserved;
+    // The numbers, ≥ 0: channels fastest, then x, y, z. Null: no grid, 1 everywhere.
+    const float *values;
+    // How many they are.
+    size_t floats;
+} EtdGrid;
+
+// A medium. `etd_medium_default` fills it in.
+typedef struct EtdMedium {
+    // sizeof(EtdMedium).
+    uint32_t struct_size;
+    // `ETD_TRACK_…`, of a medium with grids.
+    uint32_t tracking;
+    // Extinction, 1 over world units, 0 or 1e-12 to 1e12; times `extinction` if that is a grid.
+    float sigma_t[3];
+    // Scattering as a part of extinction, 0 to 1; times `albedos` if that is a grid.
+    float albedo[3];
+    // What it emits, W/(m³ sr), 0 to 1e20, times `emissions` if that is a grid; 0 where it doesn't absorb.
+    float emission[3];
+    // The phase function: its parts.
+    struct EtdLobe phase[4];
+    // World space to the grids' box, the unit cube: 12 numbers, three rows of four. Outside of the cube there is nothing.
+    float to_grid[3][4];
+    // Zero.
+    uint32_t reserved;
+    // Without it the medium is the same everywhere.
+    struct EtdGrid extinction;
+    // Only beside `extinction`.
+    struct EtdGrid albedos;
+    // Only beside `extinction`.
+    struct EtdGrid emissions;
+} EtdMedium;
+
 // A light. `etd_light_default` fills it in.
 typedef struct EtdLight {
     // sizeof(EtdLight).
@@ -489,11 +559,6 @@ EtdStatus etd_builder_add_instance(struct EtdBuilder *builder,
                                    const float *matrix,
                                    uint32_t *id);
 
-// Reserved: a participating medium. `ETD_E_UNSUPPORTED`.
-EtdStatus etd_builder_add_medium(struct EtdBuilder *builder,
-                                 const struct EtdMedium *medium,
-                                 uint32_t *id);
-
 // Builds the scene into `*blob`, a new blob of the caller's. The builder stays as it is and may be changed and built again. `built` may be null.
 // The same calls give the same bytes.
 EtdStatus etd_builder_build(struct EtdBuilder *builder,
@@ -550,6 +615,27 @@ EtdStatus etd_builder_add_mesh(struct EtdBuilder *builder,
 EtdStatus etd_builder_add_sphere(struct EtdBuilder *builder,
                                  const struct EtdSphere *sphere,
                                  uint32_t *id);
+
+// The same everywhere, with an extinction of 1 and an albedo of 0.75; scatters alike in all directions.
+EtdStatus etd_medium_default(struct EtdMedium *medium);
+
+// Adds a medium and writes its id, counted from 0. Its numbers are copied.
+EtdStatus etd_builder_add_medium(struct EtdBuilder *builder,
+                                 const struct EtdMedium *medium,
+                                 uint32_t *id);
+
+// Says what is behind the front of an object, `interior`, and before it, `exterior`; `ETD_NONE` is vacuum. Where both are, as at first, the
+// object doesn't part media: it stands in whichever is there. Objects touch, nest or stand apart: those that overlap are refused
+// by the build. The media at the camera and at lights are found from the objects around them.
+EtdStatus etd_builder_set_media(struct EtdBuilder *builder,
+                                uint32_t object,
+                                uint32_t interior,
+                                uint32_t exterior);
+
+// Says what fills the space outside all objects; `ETD_NONE`, as at first: what they are met from. Through a medium that fills all space
+// no light comes from infinity.
+EtdStatus etd_builder_set_exterior(struct EtdBuilder *builder,
+                                   uint32_t medium);
 
 // A constant background of radiance 1.
 EtdStatus etd_light_default(struct EtdLight *light);
@@ -611,6 +697,6 @@ EtdStatus etd_host_render(const EtdScene *scene,
 ETD_ASSERT(sizeof(void *) != 8 ||
            (sizeof(EtdHost) == 40 && sizeof(EtdBlob) == 40 && sizeof(EtdBuilt) == 24 && sizeof(EtdCamera) == 108 &&
             sizeof(EtdMaterial) == 120 && sizeof(EtdTexture) == 88 && sizeof(EtdMesh) == 72 && sizeof(EtdSphere) == 48 &&
-            sizeof(EtdLight) == 120 && sizeof(EtdAdvice) == 12 && sizeof(EtdRender) == 48 && sizeof(EtdRendered) == 72));
+            sizeof(EtdLight) == 120 && sizeof(EtdMedium) == 264 && sizeof(EtdAdvice) == 12 && sizeof(EtdRender) == 48 && sizeof(EtdRendered) == 72));
 #undef ETD_ASSERT
 #endif

@@ -25,7 +25,6 @@ pub fn homogeneous(sigma_t: [f32; 3], albedo: [f32; 3]) -> Medium {
         albedos: NONE,
         emissions: NONE,
         cells: [0; 3],
-        emitter: NONE,
         sigma_t,
         albedo,
         mean: sigma_t,

@@ -24,8 +24,7 @@ pub fn along(s: &Shape, front: bool) -> Option<[Matter; 2]> {
 /// Whether no light that comes from the side of the normal, or from the other, gets through.
 pub fn blocks(d: &Description, shape: &Shape, front: bool) -> bool {
     let material = if front { shape.front } else { shape.back };
-    let model = material.and_then(|m| d.materials.get(m)).map(|m| &m.model);
-    shape.opacity.is_none() && !model.is_some_and(lets_through)
+    shape.opacity.is_none() && !material.is_some_and(|m| lets_through(d, m, DEEPEST))
 }
 
 pub fn each_point(geometry: &Geometry, mut each: impl FnMut(DVec3)) {
@@ -70,10 +69,16 @@ pub fn is_open(geometry: &Geometry) -> bool {
     edges.values().any(|&n| n != 0)
 }
 
-/// Whether light that meets the model may come out on the other side.
-fn lets_through(model: &Model) -> bool {
+/// Blends of blends that are looked into: whatever is within more of them may let light pass.
+const DEEPEST: u32 = 8;
+
+/// Whether light that meets the material may come out on the other side.
+fn lets_through(d: &Description, material: usize, depth: u32) -> bool {
+    let Some(material) = d.materials.get(material) else {
+        return false;
+    };
     let some = |c: &ColorSource| *c != ColorSource::Constant([0.0; 3]);
-    match model {
+    match &material.model {
         Model::Diffuse { transmittance, .. } => some(transmittance),
         Model::Phong {
             transmittance,
@@ -84,11 +89,12 @@ fn lets_through(model: &Model) -> bool {
         | Model::Conductor { .. }
         | Model::RoughConductor { .. }
         | Model::Plastic { .. } => false,
-        // What a blend is made of may.
+        Model::Blend { parts, .. } => {
+            depth == 0 || parts.iter().any(|&part| lets_through(d, part, depth - 1))
+        }
         Model::Dielectric { .. }
         | Model::RoughDielectric { .. }
         | Model::Null
-        | Model::Sheet { .. }
-        | Model::Blend { .. } => true,
+        | Model::Sheet { .. } => true,
     }
 }
