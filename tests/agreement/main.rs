@@ -363,8 +363,7 @@ fn irradiance_is_what_a_white_patch_reflects() {
             (0..32_000)
                 .map(|i| {
                     f64::from(
-                        scene
-                            .irradiance(&settings, position, normal, b, i, &mut scratch)
+                        single::irradiance(&scene, &settings, position, normal, b, i, &mut scratch)
                             .g,
                     )
                 })
@@ -384,16 +383,16 @@ fn irradiance_is_what_a_white_patch_reflects() {
     let batch = |b: u64| {
         let one = |i| {
             f64::from(
-                scene
-                    .radiance(
-                        &Settings::default(),
-                        Vec3::new(0.2, -0.7, 0.5),
-                        -Vec3::Z,
-                        b,
-                        i,
-                        &mut scratch,
-                    )
-                    .g,
+                single::radiance(
+                    &scene,
+                    &Settings::default(),
+                    Vec3::new(0.2, -0.7, 0.5),
+                    -Vec3::Z,
+                    b,
+                    i,
+                    &mut scratch,
+                )
+                .g,
             )
         };
         (0..32_000).map(one).sum::<f64>() / 32_000.0 * std::f64::consts::PI / 0.7

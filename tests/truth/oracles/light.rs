@@ -92,9 +92,16 @@ fn irradiance_under_rectangles_discs_and_spheres() {
             );
             let e = batches(n, |b, i| {
                 f64::from(
-                    scene
-                        .radiance(&settings, origin, -glam::Vec3::Z, b, i, &mut scratch)
-                        .g,
+                    single::radiance(
+                        &scene,
+                        &settings,
+                        origin,
+                        -glam::Vec3::Z,
+                        b,
+                        i,
+                        &mut scratch,
+                    )
+                    .g,
                 ) * std::f64::consts::PI
             });
             check(id, &format!("{estimator:?} from a floor"), e, 0.01);
@@ -408,7 +415,8 @@ fn scale_and_place_do_not_matter() {
                     ..Settings::default()
                 };
                 let e = batches(1000, |b, i| {
-                    let v = scene.radiance(
+                    let v = single::radiance(
+                        &scene,
                         &settings,
                         at([0.3, 0.4, 0.5]).into(),
                         -glam::Vec3::Z,
