@@ -92,7 +92,7 @@ fn scenes() {
     scene_refused("<scale value=\"2\"/>", "<scale value=\"0\"/>", &["bad.xml"]);
     scene_refused(
         "type=\"diffuse\"",
-        "type=\"roughplastic\"",
+        "type=\"principled\"",
         &["bad.xml:10", "not supported yet"],
     );
 }

@@ -210,7 +210,7 @@ fn misuse_is_found_out() {
         return;
     }
     let folder = target("misuse");
-    for scene in ["matter", "gloss", "open_air"] {
+    for scene in ["matter", "gloss", "fog", "open_air"] {
         let blob = crate::bits::data(&format!("bits/{scene}.etd"));
         for mut way in ways(&["gcc", "-std=c11"], &beside("misuse.c"), &folder, &[]) {
             run(way.arg(&blob));
@@ -230,7 +230,7 @@ fn the_callers_control_word_is_kept_and_does_not_matter() {
         &[],
         &folder.join("control"),
     );
-    for scene in ["matter", "gloss", "open_air", "plan"] {
+    for scene in ["matter", "gloss", "fog", "open_air", "plan"] {
         let blob = crate::bits::data(&format!("bits/{scene}.etd"));
         run(Command::new(folder.join("control")).arg(blob));
     }
@@ -248,7 +248,7 @@ fn little_stack_is_used_whatever_the_capacity() {
     let folder = target("stack");
     let program = folder.join("stack");
     compile(&["gcc", "-std=c11"], &beside("stack.c"), &[], &program);
-    for scene in ["matter", "gloss", "open_air", "plan"] {
+    for scene in ["matter", "gloss", "fog", "open_air", "plan"] {
         let blob = crate::bits::data(&format!("bits/{scene}.etd"));
         let printed = text(&run(Command::new(&program).arg(blob)));
         print!("{printed}");

@@ -3,8 +3,9 @@
 
 use crate::scenes::{Builder, room};
 use etendue_host::description::{
-    Color, ColorSource, Description, Distribution, EmitterKind, Facets, Filter, Image, Masking,
-    Model, Pattern, Projection, Texels, Texture, Wrap,
+    Color, ColorSource, Description, Distribution, EmitterKind, Facets, Filter, Grid, GridValues,
+    Image, Lobe, Masking, Medium, Model, Pattern, Phase, Projection, Texels, Texture, Tracking,
+    Wrap,
 };
 
 /// Columns and rows of the images.
@@ -239,6 +240,72 @@ fn gloss() -> Description {
     scene.description
 }
 
+/// A room with every phase function, kind of medium and way of tracking; a point light within, and what glows.
+fn fog() -> Description {
+    let part = |phase, weight| Lobe { phase, weight };
+    let grid = |rgb: bool| {
+        let value = |i: usize| (i * 7 % 12) as f32 / 12.0;
+        let values = if rgb {
+            GridValues::Rgb((0..12).map(|i| [value(i), 0.5, value(i + 5)]).collect())
+        } else {
+            GridValues::Gray((0..12).map(value).collect())
+        };
+        Grid {
+            size: [2, 3, 2],
+            values,
+            nearest: rgb,
+        }
+    };
+    let scene = room(|b| {
+        let mist = b.matter(Medium {
+            sigma_t: [0.2, 0.3, 0.5],
+            albedo: [0.9, 0.8, 0.7],
+            phase: vec![
+                part(Phase::Isotropic, 1.0),
+                part(Phase::HenyeyGreenstein { g: 0.7 }, 2.0),
+                part(Phase::Rayleigh, 1.0),
+                part(Phase::Forward, 0.5),
+            ],
+            ..Medium::default()
+        });
+        b.fog([-1.1, -1.2, -0.1], [1.1, 1.1, 2.1], mist);
+        let glass = b.glass(1.3);
+        let ember = b.matter(Medium {
+            sigma_t: [3.0, 2.0, 1.0],
+            albedo: [0.5; 3],
+            emission: [4.0, 2.0, 0.5],
+            ..Medium::default()
+        });
+        b.ball([-0.6, 0.0, 0.4], 0.3, glass, ember).exterior = Some(mist);
+        for (x, rgb, tracking) in [
+            (-0.4, true, Tracking::Woodcock),
+            (0.1, false, Tracking::Residual),
+            (0.6, true, Tracking::Regular),
+        ] {
+            let (low, high) = ([x - 0.2, -0.2, 1.0], [x + 0.2, 0.3, 1.5]);
+            let smoke = Medium {
+                sigma_t: [8.0; 3],
+                albedo: [0.8; 3],
+                emission: [0.5, 0.2, 0.1],
+                phase: vec![part(Phase::HenyeyGreenstein { g: -0.3 }, 1.0)],
+                ..Medium::default()
+            };
+            let smoke = b.smoke(low, high, grid(rgb), smoke);
+            let grids = b.description.media[smoke].grids.as_mut().unwrap();
+            grids.tracking = tracking;
+            grids.emission = Some(grid(false));
+            b.fog(low, high, smoke).exterior = Some(mist);
+        }
+        b.light(EmitterKind::Point {
+            position: [0.5, -0.4, 0.6],
+            intensity: [0.5; 3],
+        });
+        b.description.emitters[0].medium = Some(mist);
+        b.description.sensor.resolution = SIZE;
+    });
+    scene.description
+}
+
 /// A few things in the open: lat-long sky, sun, thin lens, Gaussian filter, coarse smooth normals.
 fn open_air() -> Description {
     let mut b = Builder::new().camera(
@@ -334,10 +401,11 @@ fn furnish(b: &mut Builder) {
 }
 
 /// All of them, by name.
-pub fn scenes() -> [(&'static str, Description); 4] {
+pub fn scenes() -> [(&'static str, Description); 5] {
     [
         ("matter", matter()),
         ("gloss", gloss()),
+        ("fog", fog()),
         ("open_air", open_air()),
         ("plan", plan()),
     ]

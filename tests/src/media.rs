@@ -24,6 +24,7 @@ pub fn homogeneous(sigma_t: [f32; 3], albedo: [f32; 3]) -> Medium {
         extinctions: NONE,
         albedos: NONE,
         emissions: NONE,
+        emitter: NONE,
         cells: [0; 3],
         sigma_t,
         albedo,
