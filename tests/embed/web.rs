@@ -18,16 +18,22 @@ use std::sync::atomic::AtomicBool;
 const SIZE: usize = 150_000;
 
 /// The folder with the page, the module and the scenes, built as a user would.
-static BUILT: LazyLock<PathBuf> = LazyLock::new(|| {
-    let folder = target("web").join("page");
+static BUILT: LazyLock<PathBuf> = LazyLock::new(|| build("page", ""));
+
+/// The same with all features.
+static WHOLE: LazyLock<PathBuf> = LazyLock::new(|| build("whole", "whole"));
+
+fn build(folder: &str, features: &str) -> PathBuf {
+    let folder = target("web").join(folder);
     let script = root().join("kernel/examples/web/build");
     run(Command::new("sh")
         .arg(script)
         .arg(&folder)
         .env("CARGO_TARGET_DIR", target("web"))
+        .env("FEATURES", features)
         .env_remove("RUSTFLAGS"));
     folder
-});
+}
 
 fn module() -> PathBuf {
     BUILT.join("etendue.wasm")
@@ -74,7 +80,7 @@ fn webassembly_gives_the_same_bits() {
         return;
     }
     let suite = node("tests/embed/bits.mjs")
-        .arg(module())
+        .arg(WHOLE.join("etendue.wasm"))
         .arg(data("bits"))
         .output()
         .unwrap();
@@ -114,7 +120,7 @@ fn damaged_blobs_are_errors_not_traps() {
         return;
     }
     let printed = text(&run(node("tests/embed/broken.mjs")
-        .arg(module())
+        .arg(WHOLE.join("etendue.wasm"))
         .arg(data("bits"))));
     let counts: Vec<u32> = printed
         .split_whitespace()

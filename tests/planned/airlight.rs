@@ -32,7 +32,8 @@ fn radiance(o: &Value, steps: u16, shift: Option<u64>) -> Found {
     b.fog([-40.0; 3], [40.0; 3], fog);
     if let Some(x) = o["wall"].as_f64() {
         let x = x as f32;
-        b.quad([x, -30.0, -30.0], [0.0, 60.0, 0.0], [0.0, 0.0, 60.0], None);
+        // Small: it ends the ray, and must not stand between the light and what the ray passes.
+        b.quad([x, -1e-4, -1e-4], [0.0, 2e-4, 0.0], [0.0, 0.0, 2e-4], None);
     }
     b.light(EmitterKind::Point {
         position: [0.0, number(o, "light") as f32, 0.0],

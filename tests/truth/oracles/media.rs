@@ -212,10 +212,11 @@ fn airlight() {
     ];
     for (id, height, camera, wall, sigma_t, albedo, g) in cases {
         let mut b = fog(sigma_t, albedo, g);
+        // Small: it ends the ray, and must not stand between the light and what the ray passes.
         b.quad(
-            [wall, -99.0, -99.0],
-            [0.0, 198.0, 0.0],
-            [0.0, 0.0, 198.0],
+            [wall, -1e-4, -1e-4],
+            [0.0, 2e-4, 0.0],
+            [0.0, 0.0, 2e-4],
             None,
         );
         b.light(EmitterKind::Point {
