@@ -169,9 +169,8 @@ fn refusals_say_where_what_and_what_instead() {
         "scene.xml:3: <ref>: id refers to \"nobody\", which does not exist",
     );
     refused(
-        "<shape type='cube'><bsdf type='plastic'/></shape>",
-        "scene.xml:3: plastic: bsdf plastic is not supported yet: choose diffuse, twosided, conductor, dielectric, null, \
-         mask, diffusetransmitter or sheet",
+        "<shape type='cube'><bsdf type='hair'/></shape>",
+        "scene.xml:3: hair: bsdf hair is not supported yet: choose diffuse, twosided, conductor, roughconductor, dielectric, roughdielectric, plastic, roughplastic, phong, phongdielectric, blendbsdf, null, mask, diffusetransmitter or sheet",
     );
     refused(
         "<shape type='ply'><string name='filename' value='none.ply'/></shape>",
