@@ -110,7 +110,7 @@ pub fn grids() -> Vec<Break> {
         texel(1.1e12),
         // An image takes what is left for the grids.
         broken(Rule::GridBudget, section::GRIDS, 0, |d| {
-            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 4 + grid_rows();
+            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 7 + grid_rows();
         }),
     ]
 }

@@ -293,7 +293,7 @@ fn fog() -> Description {
             let smoke = b.smoke(low, high, grid(rgb), smoke);
             let grids = b.description.media[smoke].grids.as_mut().unwrap();
             grids.tracking = tracking;
-            grids.emission = Some(grid(false));
+            grids.emission = Some(grid(rgb));
             b.fog(low, high, smoke).exterior = Some(mist);
         }
         b.light(EmitterKind::Point {
