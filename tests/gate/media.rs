@@ -1,6 +1,6 @@
 //! What media, their phase functions and their grids must not be.
 
-use crate::breaks::{Break, broken, grid_rows, record};
+use crate::breaks::{Break, broken, record};
 use crate::draft::{CLOUD, Draft, FOG, GLOW, IMAGES, WORDS};
 use etendue::blob::Rule;
 use etendue::blob::format::{Grid, Lobe, Medium, NONE, Texture, medium, section};
@@ -110,7 +110,12 @@ pub fn grids() -> Vec<Break> {
         texel(1.1e12),
         // An image takes what is left for the grids.
         broken(Rule::GridBudget, section::GRIDS, 0, |d| {
-            d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = 7 + grid_rows();
+            let mut too_little = |rows| {
+                d.record::<Texture>(section::TEXTURES, IMAGES[0]).height = rows;
+                let error = etendue::Scene::open(d.0.bytes()).err();
+                error.is_some_and(|e| e.rule == Rule::GridBudget && e.index == 0)
+            };
+            let _ = (1..100).find(|&rows| too_little(rows));
         }),
     ]
 }

@@ -274,6 +274,16 @@ impl Surfaces {
                 set(&mut m, 0, weight);
             }
         }
+        let glossy = [
+            material::PHONG,
+            material::ROUGH_CONDUCTOR,
+            material::ROUGH_DIELECTRIC,
+            material::PLASTIC,
+            material::ROUGH_PLASTIC,
+        ];
+        if glossy.contains(&m.kind) {
+            self.needs |= needs::GLOSSY;
+        }
         m
     }
 }

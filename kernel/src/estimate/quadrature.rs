@@ -416,7 +416,8 @@ impl<S: Spectrum> Sum<'_, S> {
             if !(t.is_finite() && length.is_finite()) {
                 continue;
             }
-            let t = t.clamp(start, end.max(start));
+            // `clamp` would ask for an order of its bounds.
+            let t = t.min(end).max(start);
             through *= way.between(before, t).exact::<S>();
             before = t;
             if let Some(value) = f(way.ray.origin + way.ray.direction * t, t) {

@@ -197,20 +197,28 @@ impl Boxes<'_> {
     fn span(&self, index: [u32; 3], axis: usize) -> core::ops::RangeInclusive<usize> {
         let of = |v: &[u32; 3]| v.get(axis).copied().unwrap_or(0);
         let (index, cells, size) = (of(&index), of(&self.medium.cells), of(&self.grid.size));
-        let cells = cells.max(1);
+        // All are at most 4096: nothing wraps.
+        let last = size.saturating_sub(1);
         let (low, high) = if self.grid.nearest == 1 {
+            let ceiling = (index + 1) * size + cells.saturating_sub(1);
             (
-                index * size / cells,
-                ((index + 1) * size).div_ceil(cells) - 1,
+                quotient(index * size, cells),
+                quotient(ceiling, cells).saturating_sub(1),
             )
         } else {
             // Texel i is at i + ½, so the box reaches from index·size/cells − ½ on in units of texels.
             let half = |i: u32| (2 * i * size).saturating_sub(cells);
+            let twice = 2 * cells;
             (
-                half(index) / (2 * cells),
-                half(index + 1).div_ceil(2 * cells),
+                quotient(half(index), twice),
+                quotient(half(index + 1) + twice.saturating_sub(1), twice),
             )
         };
-        low as usize..=high.min(size - 1) as usize
+        low as usize..=high.min(last) as usize
     }
+}
+
+/// ⌊a/b⌋; 0 where there is none.
+fn quotient(a: u32, b: u32) -> u32 {
+    a.checked_div(b).unwrap_or(0)
 }
