@@ -32,7 +32,7 @@ mod precision {
         (bits >> 8) as f32 * UNIT_STEP
     }
 
-    /// The step of [`unit`].
+    /// The step of [`unit()`].
     pub const UNIT_STEP: Real = 1.0 / 16_777_216.0;
     /// The largest `Real` below 1.
     pub const ONE_MINUS: Real = 1.0 - f32::EPSILON / 2.0;
@@ -56,7 +56,7 @@ mod precision {
         f64::from(bits) * UNIT_STEP
     }
 
-    /// The step of [`unit`].
+    /// The step of [`unit()`].
     pub const UNIT_STEP: Real = 1.0 / 4_294_967_296.0;
     /// The largest `Real` below 1.
     pub const ONE_MINUS: Real = 1.0 - f64::EPSILON / 2.0;
