@@ -148,7 +148,7 @@ fn blends_are_mixtures() {
         let truth = 0.7 * first[i].mean + 0.3 * second[i].mean;
         let error = mixed.error.hypot(first[i].error).hypot(second[i].error);
         assert!(
-            (mixed.mean - truth).abs() < Z * error + 1e-6 * truth,
+            (mixed.mean - truth).abs() <= Z * error + 1e-6 * truth,
             "{i}: {mixed:?} for {truth}"
         );
     }
