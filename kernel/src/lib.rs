@@ -29,7 +29,7 @@
 //!
 //! # The rooms
 //!
-//! In the order in which they depend on each other: [`real`] and [`spectrum`], [`random`], [`warp`]; [`blob`] and [`shape`] (the scene
+//! In the order in which they depend on each other: [`real`], [`spectrum`] and [`instance`], [`random`], [`warp`]; [`blob`] and [`shape`] (the scene
 //! and its geometry); [`surface`]; [`medium`]; [`emitter`]; [`sensor`]; [`path`]; [`mod@estimate`]; [`film`]. A new local model is one file in
 //! `surface/` and one line in its `mod.rs`; a new estimator likewise.
 //!
@@ -53,6 +53,7 @@ pub mod estimate;
 pub mod film;
 #[cfg(any(all(target_arch = "nvptx64", feature = "gpu"), test))]
 pub mod gpu;
+pub mod instance;
 pub mod medium;
 pub mod path;
 pub mod random;

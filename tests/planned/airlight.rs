@@ -33,7 +33,7 @@ fn radiance(o: &Value, steps: u16, shift: Option<u64>) -> Found {
     if let Some(x) = o["wall"].as_f64() {
         let x = x as f32;
         // Small: it ends the ray, and must not stand between the light and what the ray passes.
-        b.quad([x, -1e-4, -1e-4], [0.0, 2e-4, 0.0], [0.0, 0.0, 2e-4], None);
+        b.quad([x, -1e-6, -1e-6], [0.0, 2e-6, 0.0], [0.0, 0.0, 2e-6], None);
     }
     b.light(EmitterKind::Point {
         position: [0.0, number(o, "light") as f32, 0.0],

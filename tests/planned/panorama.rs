@@ -39,7 +39,9 @@ fn a_white_furnace_is_white_in_every_direction() {
                 heuristic: Heuristic::Balance,
                 ..Settings::default()
             };
-            let all = single::blocks::<32>(&scene, &settings, 4, 30, BATCHES);
+            // As many walks for few pixels as for many.
+            let passes = 3840 / (resolution[0] * resolution[1]);
+            let all = single::blocks::<32>(&scene, &settings, 4, passes.into(), BATCHES);
             // Towards the poles pixels shrink without end, and with them the light walks that meet one: `light` has no
             // variance there that a test could use.
             let blocks = match estimator {

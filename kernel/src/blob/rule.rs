@@ -102,6 +102,7 @@ rules! {
     WorldReserved Reserved c"reserved words must be 0"
     // Sensor.
     SensorKind Kind c"kind must be perspective, orthographic or panorama"
+    SensorLeftOut Needs c"this kernel was built without panoramas"
     SensorFilter Kind c"filter must be box, tent or gaussian"
     SensorFilterRadius Range c"filter_radius must be in [0.001, 8]"
     SensorFilterSigma Range c"filter_sigma must be in [0, 8], for a gaussian at least 0.001"

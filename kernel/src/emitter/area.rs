@@ -92,16 +92,16 @@ pub(super) fn incident<S: Spectrum>(
             medium: NONE,
         });
     }
-    shine(scene, e, primitive, &place(scene, primitive, xi)?, y)
+    // A uniform point, as any walk would draw it.
+    shine(e, &place(scene, primitive, xi)?, 1.0, y)
 }
 
-/// Light that arrives at `y` from a point of `primitive` that was drawn without knowing y.
+/// Light that arrives at `y` from a uniform point of a primitive; p_connect(x₀ | y)/p_trace(x₀) is `over_trace`.
 #[inline(always)]
 pub(super) fn shine<S: Spectrum>(
-    scene: &Scene<'_>,
     e: &Emitter,
-    primitive: u32,
     place: &Place,
+    over_trace: Real,
     y: Vec3,
 ) -> Option<Incident<S>> {
     let to_light = place.position - y;
@@ -112,10 +112,6 @@ pub(super) fn shine<S: Spectrum>(
     let distance = sqrt(squared);
     let direction = to_light * (1.0 / distance);
     let cos_light = -direction.dot(place.normal);
-    let over_trace = match scene.sphere(primitive) {
-        Some(sphere) => connect_over_trace(sphere, place.position, place.normal, y),
-        None => 1.0,
-    };
     (cos_light > 0.0).then(|| Incident {
         direction,
         end: Some(place.position + place.normal * place.offset),

@@ -174,7 +174,15 @@ impl Source<'_> {
     #[inline(always)]
     pub fn shine<S: Spectrum>(&self, scene: &Scene<'_>, y: Vec3) -> Option<Incident<S>> {
         match &self.place {
-            Some(place) => area::shine(scene, self.emitter, self.primitive, place, y),
+            Some(place) => {
+                let over_trace = match scene.sphere(self.primitive) {
+                    Some(sphere) => {
+                        area::connect_over_trace(sphere, place.position, place.normal, y)
+                    }
+                    None => 1.0,
+                };
+                area::shine(self.emitter, place, over_trace, y)
+            }
             None => point::incident(self.emitter, y),
         }
     }

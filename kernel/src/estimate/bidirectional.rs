@@ -12,9 +12,10 @@ use super::light::{Seen, emit, see_light, see_vertex, spread};
 use super::{ScratchView, Settings};
 use crate::blob::format::NONE;
 use crate::emitter;
+use crate::instance::Instance;
 use crate::medium;
 use crate::path::{
-    Arrival, HistoryView, Instance, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first,
+    Arrival, HistoryView, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first,
     emission_terms, joined,
 };
 use crate::random::{Purpose, Sampler};

@@ -11,7 +11,8 @@
 use super::{LEVELS, ScratchView, Settings};
 use crate::blob::format::{NONE, needs};
 use crate::emitter;
-use crate::path::{Arrival, Instance, MAX_STEPS, Mis, Trace, Vertex, Walk, joined};
+use crate::instance::Instance;
+use crate::path::{Arrival, MAX_STEPS, Mis, Trace, Vertex, Walk, joined};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::{ONE_MINUS, Real};
 use crate::sensor::Element;

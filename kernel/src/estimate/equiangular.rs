@@ -7,8 +7,9 @@ use super::path::Wanted;
 use super::share::{Strategy, share};
 use crate::blob::format::needs;
 use crate::emitter::{self, Incident};
+use crate::instance::Instance;
 use crate::medium::density;
-use crate::path::{Equiangular, Instance, Leg, Trace, Vertex, joined};
+use crate::path::{Equiangular, Leg, Trace, Vertex, joined};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Real, Vec3};
 use crate::shape::Tracer;
@@ -103,7 +104,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         (Strategy::Met, met),
         (Strategy::Drawn, flown * light.pdf / own),
     ];
-    let weight = share(settings.heuristic, Strategy::Equiangular, rivals);
+    let weight = share::<K>(settings.heuristic, Strategy::Equiangular, rivals);
     // As if the leading channel had collided at y: p̂_k has a factor σ_k ([`joined`]).
     throughput
         * leg.carried.throughput

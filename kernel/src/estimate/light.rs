@@ -4,7 +4,8 @@
 use super::Settings;
 use crate::blob::Scene;
 use crate::emitter::{self, Emission};
-use crate::path::{Arrival, Instance, Joint, Trace, Vertex, Walk, joined, source_facing};
+use crate::instance::Instance;
+use crate::path::{Arrival, Joint, Trace, Vertex, Walk, joined, source_facing};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::Real;
 use crate::sensor::{Element, Projection, each_pixel};
@@ -63,7 +64,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
 }
 
 /// x₀ and the walk's first direction.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn emit<T: Tracer, K: Instance, P: Sampler>(
     trace: &mut Trace<'_, '_, T, K>,
     sampler: &mut P,
@@ -101,7 +102,7 @@ pub(super) struct Seen<S> {
 }
 
 /// Joins the light itself to the sensor (s = 1).
-#[inline(always)]
+#[inline(never)]
 pub(super) fn see_light<T: Tracer, K: Instance, P: Sampler>(
     trace: &mut Trace<'_, '_, T, K>,
     element: &Element,

@@ -23,19 +23,20 @@ pub use plan::{LEVELS, Rule, Tree};
 
 use crate::blob::Scene;
 use crate::blob::format::NONE;
-#[cfg(feature = "media")]
+#[cfg(any(feature = "glossy", feature = "media"))]
 use crate::blob::format::needs;
+#[cfg(feature = "glossy")]
+use crate::instance::GlossySurfaces;
 #[cfg(feature = "media")]
-use crate::path::Volumes;
-use crate::path::{
-    Counters, Heuristic, History, HistoryView, Instance, Link, Mis, Surfaces, Trace, Vertex,
-};
+use crate::instance::Volumes;
+use crate::instance::{Instance, Surfaces};
+use crate::path::{Counters, Heuristic, History, HistoryView, Link, Mis, Trace, Vertex};
 use crate::random::{Pcg, Sampler};
 #[cfg(feature = "media")]
 use crate::random::{Purpose, Subpath};
 use crate::real::{Real, Vec3};
 use crate::sensor::Element;
-use crate::shape::{Instructions, Tracer};
+use crate::shape::Tracer;
 use crate::spectrum::{Rgb, Spectrum};
 
 /// How light is estimated (`transport.md` §7).
@@ -255,8 +256,7 @@ impl Scene<'_> {
         )
     }
 
-    /// One sample of any element, with random numbers from `sampler`: what the others call. Runs the
-    /// instance of the estimator that is compiled for this scene's instruction set.
+    /// One sample of any element, with random numbers from `sampler`: what the others call.
     #[inline]
     pub fn estimate_element<P: Sampler>(
         &self,
@@ -266,37 +266,15 @@ impl Scene<'_> {
         scratch: &mut ScratchView<'_>,
         splat: &mut impl FnMut([u32; 2], Rgb),
     ) -> Rgb {
-        match self.isa() {
-            Instructions::Scalar(isa) => estimate_with(
-                self,
-                &self.tracer(isa),
-                settings,
-                element,
-                sampler,
-                scratch,
-                splat,
-            ),
-            #[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
-            Instructions::Sse2(isa) => estimate_with(
-                self,
-                &self.tracer(isa),
-                settings,
-                element,
-                sampler,
-                scratch,
-                splat,
-            ),
-            #[cfg(all(target_arch = "x86_64", not(feature = "f64")))]
-            Instructions::Avx2(isa) => estimate_with(
-                self,
-                &self.tracer(isa),
-                settings,
-                element,
-                sampler,
-                scratch,
-                splat,
-            ),
-        }
+        estimate_with(
+            self,
+            &self.tree(),
+            settings,
+            element,
+            sampler,
+            scratch,
+            splat,
+        )
     }
 }
 
@@ -316,6 +294,11 @@ pub fn estimate_with<S: Spectrum, T: Tracer, P: Sampler>(
         sampler.at(Subpath::Sensor, 0);
         let lead = (sampler.one(Purpose::Lead) * S::CHANNELS as Real) as usize;
         let trace = Trace::<T, Volumes<S>>::new(scene, tracer, lead);
+        return estimate_by(trace, settings, element, sampler, scratch, splat);
+    }
+    #[cfg(feature = "glossy")]
+    if scene.has(needs::GLOSSY) {
+        let trace = Trace::<T, GlossySurfaces<S>>::new(scene, tracer, 0);
         return estimate_by(trace, settings, element, sampler, scratch, splat);
     }
     let trace = Trace::<T, Surfaces<S>>::new(scene, tracer, 0);

@@ -2,7 +2,8 @@
 //! vertex before the sensor itself at which to draw one: this path of one edge is made here, for all estimators alike.
 
 use crate::emitter;
-use crate::path::{Instance, Trace, Vertex, joined};
+use crate::instance::Instance;
+use crate::path::{Trace, Vertex, joined};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::Vec3;
 use crate::shape::Tracer;

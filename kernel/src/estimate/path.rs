@@ -6,9 +6,10 @@ use super::share::{Strategy, share};
 use super::{Settings, equiangular};
 use crate::blob::format::NONE;
 use crate::emitter::{self, Incident};
-use crate::path::{Arrival, Instance, Leg, Trace, Walk, joined};
+use crate::instance::Instance;
+use crate::path::{Arrival, Leg, Trace, Walk, joined};
 use crate::random::{Purpose, Sampler};
-use crate::real::{Vec3, square};
+use crate::real::{Real, Vec3, square};
 use crate::sensor::Element;
 use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
@@ -70,34 +71,22 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     let mut from: Option<(Vec3, Option<Leg<K::S>>)> = None;
     loop {
         let before = walk.throughput;
-        let arrival = walk.arrive(trace, sampler, &mis);
-        if K::MEDIA {
-            if wanted.glow() {
-                // What glows on the way, by its integral along the line: no other strategy makes it.
-                radiance += walk.glow;
-            }
-            if let Some((leg, count)) = walk.drawn
-                && walk.edges < limit
-            {
-                radiance +=
-                    equiangular::estimate(trace, settings, &leg, count, before, sampler, wanted);
-            }
-        }
-        // How a walk would have come here: by its direction, and through the media on the way.
-        let walked = walk.pdf() * walk.expected;
-        let (vertex, distance) = match arrival {
+        let (vertex, distance) = match walk.arrive(trace, sampler, &mis) {
             Arrival::Vertex(vertex, distance) => (vertex, distance),
             Arrival::Escaped(_) => {
+                if K::MEDIA {
+                    radiance += on_the_way(trace, settings, &walk, before, sampler, wanted);
+                }
                 if wanted.met(true)
                     && let Some((background, density)) =
                         emitter::background::<K::S>(scene, walk.ray.direction)
                 {
                     let weight = if from.is_some() {
                         let rivals = [
-                            (Strategy::Drawn, density / walked),
+                            (Strategy::Drawn, density / walked::<K>(&walk)),
                             (Strategy::Equiangular, 0.0),
                         ];
-                        share(settings.heuristic, Strategy::Met, rivals)
+                        share::<K>(settings.heuristic, Strategy::Met, rivals)
                     } else {
                         1.0
                     };
@@ -107,6 +96,10 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
             }
             Arrival::Cut => break,
         };
+        if K::MEDIA {
+            radiance += on_the_way(trace, settings, &walk, before, sampler, wanted);
+        }
+        let walked = walked::<K>(&walk);
         // s = 0.
         if wanted.met(false)
             && let Some(e) = emitter::on(scene, vertex.point.shape)
@@ -123,15 +116,19 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
                             walk.ray.direction,
                             distance,
                         );
-                        let cos = vertex.previous.dot(vertex.point.normal);
-                        let blind = emitter::trace_density(e) * square(distance) / cos;
-                        let by_angle =
-                            equiangular::rival(trace, leg.as_ref(), vertex.point.position);
+                        let by_angle = if K::MEDIA {
+                            let cos = vertex.previous.dot(vertex.point.normal);
+                            let blind = emitter::trace_density(e) * square(distance) / cos;
+                            let x0 = vertex.point.position;
+                            equiangular::rival(trace, leg.as_ref(), x0) * blind
+                        } else {
+                            0.0
+                        };
                         let rivals = [
                             (Strategy::Drawn, density / walked),
-                            (Strategy::Equiangular, by_angle * blind / walked),
+                            (Strategy::Equiangular, by_angle / walked),
                         ];
-                        share(settings.heuristic, Strategy::Met, rivals)
+                        share::<K>(settings.heuristic, Strategy::Met, rivals)
                     }
                     None => 1.0,
                 };
@@ -142,9 +139,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
             break;
         }
         let in_volume = K::MEDIA && vertex.scattering.is_some();
-        let leg = walk
-            .leg
-            .filter(|_| vertex.scattering.is_some() && equiangular::wanted(trace));
+        let leg = walk.leg.filter(|_| in_volume && equiangular::wanted(trace));
         // s = 1.
         if vertex.has_smooth::<K>(scene) {
             let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
@@ -152,7 +147,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
             if let Some(light) =
                 emitter::incident::<K::S>(scene, vertex.point.position, choice, xi, more)
                 // What glows is met on the way.
-                && light.medium == NONE
+                && (!K::MEDIA || light.medium == NONE)
                 && wanted.lit(&light, in_volume)
                 && let Some(joint) = vertex.join::<K>(scene, light.direction, Mode::Radiance)
             {
@@ -163,14 +158,15 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
                     } else {
                         joint.pdf * sight.expected / light.pdf
                     };
-                    let by_angle = light
-                        .end
-                        .map_or(0.0, |x0| equiangular::rival(trace, leg.as_ref(), x0));
+                    let by_angle = match light.end {
+                        Some(x0) if K::MEDIA => equiangular::rival(trace, leg.as_ref(), x0),
+                        _ => 0.0,
+                    };
                     let rivals = [
                         (Strategy::Met, met),
                         (Strategy::Equiangular, by_angle * light.trace_over_connect),
                     ];
-                    let weight = share(settings.heuristic, Strategy::Drawn, rivals);
+                    let weight = share::<K>(settings.heuristic, Strategy::Drawn, rivals);
                     radiance += walk.throughput
                         * joint.value
                         * light.radiance
@@ -184,6 +180,40 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         };
         wanted.left(step.dirac, in_volume);
         from = (!walk.dirac()).then_some((vertex.point.position, leg));
+    }
+    radiance
+}
+
+/// Density with which a walk would have come to where it is: by its direction, and through the media on the way.
+#[inline(always)]
+fn walked<K: Instance>(walk: &Walk<K::S>) -> Real {
+    if K::MEDIA {
+        walk.pdf() * walk.expected
+    } else {
+        walk.pdf()
+    }
+}
+
+/// What the way through media brought on which `walk` is, having set off with `throughput`.
+#[inline(always)]
+fn on_the_way<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
+    settings: &Settings,
+    walk: &Walk<K::S>,
+    throughput: K::S,
+    sampler: &mut P,
+    wanted: &impl Wanted,
+) -> K::S {
+    let mut radiance = K::S::BLACK;
+    if wanted.glow() {
+        // What glows, by its integral along the line: no other strategy makes it.
+        radiance += walk.glow;
+    }
+    if let Some((leg, count)) = walk.drawn
+        && walk.edges < settings.limit()
+    {
+        radiance +=
+            equiangular::estimate(trace, settings, &leg, count, throughput, sampler, wanted);
     }
     radiance
 }

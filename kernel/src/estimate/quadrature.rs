@@ -18,8 +18,9 @@ use super::{LEVELS, Rule, ScratchView, Settings};
 use crate::blob::Scene;
 use crate::blob::format::{Choice, NONE, emitter as kind, needs};
 use crate::emitter::{self, Incident};
+use crate::instance::Instance;
 use crate::medium::Way;
-use crate::path::{Instance, MAX_STEPS, Meeting, Trace, Vertex};
+use crate::path::{MAX_STEPS, Meeting, Trace, Vertex};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Real, Vec3, atan2, square, tan, vec3};
 use crate::sensor::Element;
@@ -154,7 +155,7 @@ impl<S: Spectrum> Sum<'_, S> {
                 let (Some(vertex), Some(part)) = (stack.last(), parts.get_mut(level)) else {
                     return;
                 };
-                let Some(step) = vertex.dirac_lobe(trace.scene, *part) else {
+                let Some(step) = vertex.dirac_lobe::<K>(trace.scene, *part) else {
                     stack.pop();
                     continue;
                 };
@@ -205,7 +206,7 @@ impl<S: Spectrum> Sum<'_, S> {
                 if let Some(e) = emitter::on(scene, point.shape) {
                     self.radiance += throughput * emitter::radiance::<S>(e, &point, previous);
                 }
-                let mut vertex = Vertex::on_surface(
+                let mut vertex = Vertex::on_surface::<K>(
                     scene,
                     point,
                     previous,

@@ -4,7 +4,6 @@
 mod boundary;
 mod equiangular;
 mod history;
-mod instance;
 mod passage;
 mod trace;
 mod vertex;
@@ -13,9 +12,6 @@ mod weight;
 
 pub use equiangular::Equiangular;
 pub use history::{History, HistoryView, Link};
-#[cfg(feature = "media")]
-pub use instance::Volumes;
-pub use instance::{Instance, Surfaces};
 pub use passage::{Leg, Passage};
 pub use trace::{Counters, MAX_STEPS, Meeting, Sight, Trace, roulette};
 pub use vertex::{Joint, Step, Vertex};

@@ -1,9 +1,9 @@
 //! Through what fills the space between surfaces: free flight on a walk, transmittance on a connection.
 
 use super::boundary::{PARTS_NOTHING, side, sides};
-use super::instance::Instance;
 use super::trace::{Meeting, SHORTEN, Sight, Trace, past};
 use crate::blob::format::needs;
+use crate::instance::Instance;
 use crate::medium::{Carried, Flight, Way};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Real, Vec3};

@@ -3,11 +3,11 @@
 //! is passed with probability 1 − α on a walk and multiplies V by 1 − α on a connection. So is what fills the space
 //! between surfaces (`passage.rs`).
 
-use super::instance::Instance;
 use super::passage::Passage;
 use super::vertex::Vertex;
 use crate::blob::Scene;
 use crate::blob::format::{NONE, Shape, material};
+use crate::instance::Instance;
 use crate::medium::Collision;
 use crate::random::{Purpose, Sampler};
 use crate::real::{Real, Vec3, sqrt};

@@ -4,11 +4,11 @@
 //! f̂ = f·|ω_i·n_s|/|ω_i·n_g| with ω_i towards the light, whoever walks (Veach 1997, §5.3).
 
 use super::boundary::{side, sides};
-use super::instance::Instance;
 use super::trace::Trace;
 use super::weight::Terms;
 use crate::blob::Scene;
 use crate::blob::format::NONE;
+use crate::instance::Instance;
 use crate::medium::{Phase, density};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Frame, Real, Vec3};
@@ -89,7 +89,7 @@ impl<S: Spectrum> Vertex<S> {
     /// The vertex on a surface at `point`, reached from direction `previous` through `medium`; its weight terms are zero. A blend
     /// is one of its parts from here on, by `sampler`'s choice.
     #[inline(always)]
-    pub fn on_surface(
+    pub fn on_surface<K: Instance<S = S>>(
         scene: &Scene<'_>,
         point: Point,
         previous: Vec3,
@@ -105,12 +105,15 @@ impl<S: Spectrum> Vertex<S> {
         #[cfg(feature = "glossy")]
         let material = material.map(|m| {
             let draw = || sampler.one(Purpose::Blend);
-            chosen(scene.materials(), m, scene.texture_view(), point.uv, draw)
+            match K::GLOSSY {
+                true => chosen(scene.materials(), m, scene.texture_view(), point.uv, draw),
+                false => m,
+            }
         });
         #[cfg(not(feature = "glossy"))]
         let _ = sampler;
         let surface = match material {
-            Some(m) => Surface::resolve(m, scene.texture_view(), point.uv),
+            Some(m) => Surface::resolve::<K>(m, scene.texture_view(), point.uv),
             None => Surface::BLACK,
         };
         Self {
@@ -192,7 +195,7 @@ impl<S: Spectrum> Vertex<S> {
         if K::MEDIA && self.scattering.is_some() {
             return self.phase(scene).is_some_and(|p| p.has_smooth());
         }
-        self.surface.has_smooth()
+        self.surface.of::<K>().has_smooth()
     }
 
     /// What turns a density per solid angle, times 1/d², into one of this vertex for a walk that comes along `direction` (or its
@@ -226,7 +229,7 @@ impl<S: Spectrum> Vertex<S> {
             return Step::new(s.wi, s, 1.0);
         }
         let w = self.frame.local(self.previous);
-        let s = self.surface.sample(w, mode, lobe, xi)?;
+        let s = self.surface.of::<K>().sample(w, mode, lobe, xi)?;
         let direction = self.frame.world(s.wi);
         Step::new(direction, s, self.correction(w, s.wi, direction, mode)?)
     }
@@ -234,10 +237,13 @@ impl<S: Spectrum> Vertex<S> {
     /// The Dirac lobe number `index` of a surface, as if there were no other; a black one has no weight. `None` behind the last.
     #[cfg_attr(not(feature = "quadrature"), allow(dead_code))]
     #[inline(always)]
-    pub fn dirac_lobe(&self, scene: &Scene<'_>, index: u32) -> Option<Step<S>> {
+    pub fn dirac_lobe<K: Instance<S = S>>(&self, scene: &Scene<'_>, index: u32) -> Option<Step<S>> {
         let _ = scene;
         let w = self.frame.local(self.previous);
-        let s = self.surface.dirac_lobe(w, Mode::Radiance, index)?;
+        let s = self
+            .surface
+            .of::<K>()
+            .dirac_lobe(w, Mode::Radiance, index)?;
         Some(Step {
             direction: self.frame.world(s.wi),
             weight: s.weight,
@@ -274,14 +280,14 @@ impl<S: Spectrum> Vertex<S> {
             Mode::Radiance => (w, to),
             Mode::Importance => (to, w),
         };
-        let f = self.surface.eval(wo, wi);
+        let f = self.surface.of::<K>().eval(wo, wi);
         if f.is_black() {
             return None;
         }
         Some(Joint {
             value: f * (to.z.abs() * correction),
-            pdf: self.surface.pdf(w, to, mode),
-            pdf_reverse: self.surface.pdf(to, w, mode.reversed()),
+            pdf: self.surface.of::<K>().pdf(w, to, mode),
+            pdf_reverse: self.surface.of::<K>().pdf(to, w, mode.reversed()),
         })
     }
 

@@ -1,12 +1,13 @@
 //! The walk: one loop body for both ends. From a sensor it carries radiance's throughput (f/p in mode
 //! radiance), from a light importance's.
 
-use super::instance::Instance;
 use super::passage::{Leg, Passage};
 use super::trace::{MAX_STEPS, Meeting, Trace, roulette};
 use super::vertex::{Step, Vertex};
 use super::weight::{Mis, Terms};
+use crate::blob::format::NONE;
 use crate::emitter::{self, Emission};
+use crate::instance::Instance;
 use crate::medium::{Carried, density};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::{Real, Vec3, square};
@@ -118,7 +119,7 @@ impl<S: Spectrum> Walk<S> {
             },
             throughput: emission.throughput,
             ratio: S::WHITE,
-            medium: emission.medium,
+            medium: if K::MEDIA { emission.medium } else { NONE },
             glow: S::BLACK,
             emission: S::BLACK,
             leg: None,
@@ -172,7 +173,7 @@ impl<S: Spectrum> Walk<S> {
         }
         match meeting {
             Meeting::Surface(point, distance) => {
-                let mut vertex = Vertex::on_surface(
+                let mut vertex = Vertex::on_surface::<K>(
                     trace.scene,
                     point,
                     -self.ray.direction,
@@ -185,10 +186,11 @@ impl<S: Spectrum> Walk<S> {
                     vertex.look_around(trace.scene);
                 }
                 self.emission = S::BLACK;
-                Arrival::Vertex(self.reach(trace, mis, vertex, distance), distance)
+                vertex.terms = self.terms_at(trace, mis, &vertex, distance);
+                Arrival::Vertex(vertex, distance)
             }
             Meeting::Collision(collision, distance) => {
-                let vertex = Vertex::in_volume(
+                let mut vertex = Vertex::in_volume(
                     self.ray.origin + self.ray.direction * distance,
                     -self.ray.direction,
                     self.medium,
@@ -197,7 +199,8 @@ impl<S: Spectrum> Walk<S> {
                     self.ratio,
                 );
                 self.emission = collision.emission;
-                Arrival::Vertex(self.reach(trace, mis, vertex, distance), distance)
+                vertex.terms = self.terms_at(trace, mis, &vertex, distance);
+                Arrival::Vertex(vertex, distance)
             }
             Meeting::Escaped => {
                 let (forward, back) = (self.pdf * self.expected, self.facing * self.expected);
@@ -209,13 +212,13 @@ impl<S: Spectrum> Walk<S> {
 
     /// The terms of `vertex`, reached after `distance`.
     #[inline(always)]
-    fn reach<T, K: Instance<S = S>>(
+    fn terms_at<T, K: Instance<S = S>>(
         &self,
         trace: &Trace<'_, '_, T, K>,
         mis: &Mis,
-        mut vertex: Vertex<S>,
+        vertex: &Vertex<S>,
         distance: Real,
-    ) -> Vertex<S> {
+    ) -> Terms {
         let inverse_square = 1.0 / square(distance);
         let facing = vertex.facing(trace, self.ray.direction);
         let mut forward = self.pdf * facing * if self.parallel { 1.0 } else { inverse_square };
@@ -230,8 +233,7 @@ impl<S: Spectrum> Walk<S> {
             forward *= self.expected;
             back *= self.expected;
         }
-        vertex.terms = self.extend(mis, forward, back);
-        vertex
+        self.extend(mis, forward, back)
     }
 
     #[inline(always)]

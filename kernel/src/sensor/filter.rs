@@ -1,7 +1,7 @@
 //! Pixel filters: part of W_e. Sensor walks draw from the filter; splats are weighted by its density,
 //! without renormalising (`transport.md` §7, Film).
 
-use super::panorama;
+use super::{PANORAMA, panorama};
 use crate::blob::format::{Sensor, sensor as kind};
 use crate::real::Real;
 use crate::warp::{self, Gaussian};
@@ -34,7 +34,7 @@ fn density(s: &Sensor, x: Real) -> Real {
 /// A panorama, which starts over beyond its edges, may see it in several places, and calls for each.
 #[inline(always)]
 pub fn each_pixel(s: &Sensor, raster: [Real; 2], mut f: impl FnMut([u32; 2], Real)) {
-    if s.kind == kind::PANORAMA {
+    if PANORAMA && s.kind == kind::PANORAMA {
         let radius = Real::from(s.filter_radius);
         panorama::repeats(s, raster, radius, |again| {
             Footprint::around(s, again).for_each(s, &mut f);

@@ -19,6 +19,9 @@ use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::{Real, Vec3, gamma};
 use crate::shape::Ray;
 
+/// Whether there are panoramas: the checker refuses blobs with one otherwise.
+const PANORAMA: bool = cfg!(feature = "panorama");
+
 /// An element of a sensor: what one estimate is for.
 #[derive(Clone, Copy, Debug)]
 pub enum Element {
@@ -99,7 +102,7 @@ impl Element {
                     kind::PERSPECTIVE => {
                         perspective::start(sensor, raster, sampler.two(Purpose::Lens))
                     }
-                    kind::PANORAMA => panorama::start(sensor, raster),
+                    kind::PANORAMA if PANORAMA => panorama::start(sensor, raster),
                     _ => orthographic::start(sensor, raster),
                 }
             }
@@ -118,7 +121,7 @@ impl Element {
                 let sensor = scene.sensor();
                 match sensor.kind {
                     kind::PERSPECTIVE => perspective::project(sensor, x, lens),
-                    kind::PANORAMA => panorama::project(sensor, x),
+                    kind::PANORAMA if PANORAMA => panorama::project(sensor, x),
                     _ => orthographic::project(sensor, x),
                 }
             }
@@ -143,7 +146,7 @@ impl Element {
                 let sensor = scene.sensor();
                 match sensor.kind {
                     kind::PERSPECTIVE => perspective::project_distant(sensor, towards, lens),
-                    kind::PANORAMA => Some(panorama::project_distant(sensor, towards)),
+                    kind::PANORAMA if PANORAMA => Some(panorama::project_distant(sensor, towards)),
                     _ => None,
                 }
             }

@@ -14,7 +14,7 @@ mod slab;
 mod sphere;
 mod triangle;
 
-pub use bvh::{Bvh, vertices};
+pub use bvh::{Bvh, Tree, vertices};
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
 pub use isa::{Avx2, Sse2};
 pub use isa::{Instructions, Isa, IsaKind, Scalar};

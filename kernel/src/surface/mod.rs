@@ -5,6 +5,8 @@
 
 #[cfg(feature = "textures")]
 mod bitmap;
+#[cfg(feature = "glossy")]
+mod blend;
 mod conductor;
 #[cfg(feature = "glossy")]
 pub mod curve;
@@ -12,41 +14,28 @@ mod dielectric;
 mod diffuse;
 pub mod fresnel;
 #[cfg(feature = "glossy")]
+mod glossy;
+#[cfg(feature = "glossy")]
 pub mod microfacet;
 mod mirror;
 mod null;
-#[cfg(feature = "glossy")]
-mod phong;
-#[cfg(feature = "glossy")]
-mod plastic;
-#[cfg(feature = "glossy")]
-mod rough_conductor;
-#[cfg(feature = "glossy")]
-mod rough_dielectric;
-#[cfg(feature = "glossy")]
-mod rough_plastic;
 mod sheet;
 mod texture;
 
+#[cfg(feature = "glossy")]
+pub use blend::chosen;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+#[cfg(feature = "glossy")]
+pub use glossy::{Glossy, Phong, Plastic, RoughConductor, RoughDielectric, RoughPlastic};
 pub use mirror::Mirror;
 pub use null::Null;
-#[cfg(feature = "glossy")]
-pub use phong::Phong;
-#[cfg(feature = "glossy")]
-pub use plastic::Plastic;
-#[cfg(feature = "glossy")]
-pub use rough_conductor::RoughConductor;
-#[cfg(feature = "glossy")]
-pub use rough_dielectric::RoughDielectric;
-#[cfg(feature = "glossy")]
-pub use rough_plastic::RoughPlastic;
 pub use sheet::Sheet;
 pub use texture::TextureView;
 
 use crate::blob::format::{Material, material};
+use crate::instance::Instance;
 use crate::real::{Real, Vec3};
 use crate::spectrum::Spectrum;
 
@@ -148,58 +137,6 @@ pub trait Local<S: Spectrum> {
     }
 }
 
-/// A draw of `wi` by a model whose `eval` and `pdf` say everything about it.
-#[cfg(feature = "glossy")]
-#[inline(always)]
-fn drawn<S: Spectrum>(
-    model: &impl Local<S>,
-    w: Vec3,
-    wi: Vec3,
-    mode: Mode,
-    eta_scale: Real,
-) -> Option<Scatter<S>> {
-    let pdf = model.pdf(w, wi, mode);
-    let f = match mode {
-        Mode::Radiance => model.eval(w, wi),
-        Mode::Importance => model.eval(wi, w),
-    };
-    let weight = f * (wi.z.abs() / pdf);
-    (pdf > 0.0 && weight.max_channel().is_finite()).then(|| Scatter {
-        wi,
-        weight,
-        pdf,
-        pdf_reverse: model.pdf(wi, w, mode.reversed()),
-        dirac: false,
-        transmitted: !same_side(w, wi),
-        eta_scale,
-    })
-}
-
-/// What is left of ξ ∈ [low, low + p) is a fresh number.
-#[cfg(feature = "glossy")]
-#[inline(always)]
-fn fresh(xi: Real, low: Real, p: Real) -> Real {
-    ((xi - low) / p).clamp(0.0, crate::real::ONE_MINUS)
-}
-
-/// The same direction, or its mirror image, on the side of the normal.
-#[cfg(feature = "glossy")]
-#[inline(always)]
-fn upper(w: Vec3) -> Vec3 {
-    Vec3::new(w.x, w.y, w.z.abs())
-}
-
-/// A direction of the upper side on the side of `w`.
-#[cfg(feature = "glossy")]
-#[inline(always)]
-fn on_side_of(w: Vec3, wi: Vec3) -> Vec3 {
-    if w.z < 0.0 {
-        Vec3::new(wi.x, wi.y, -wi.z)
-    } else {
-        wi
-    }
-}
-
 /// The ideal direction of a mirror.
 #[inline(always)]
 fn reflect(w: Vec3) -> Vec3 {
@@ -224,20 +161,12 @@ pub enum Surface<S> {
     Null(Null),
     Sheet(Sheet<S>),
     #[cfg(feature = "glossy")]
-    Phong(Phong<S>),
-    #[cfg(feature = "glossy")]
-    RoughConductor(RoughConductor<S>),
-    #[cfg(feature = "glossy")]
-    RoughDielectric(RoughDielectric<S>),
-    #[cfg(feature = "glossy")]
-    Plastic(Plastic<S>),
-    #[cfg(feature = "glossy")]
-    RoughPlastic(RoughPlastic<S>),
+    Glossy(Glossy<S>),
 }
 
-/// Calls the model's own function.
+/// Calls the model's own function; `$none` for a glossy model where there are none.
 macro_rules! each {
-    ($surface:expr, $model:ident => $call:expr) => {
+    ($surface:expr, $model:ident => $call:expr, else $none:expr) => {
         match $surface {
             Surface::Diffuse($model) => $call,
             Surface::Mirror($model) => $call,
@@ -246,15 +175,13 @@ macro_rules! each {
             Surface::Null($model) => $call,
             Surface::Sheet($model) => $call,
             #[cfg(feature = "glossy")]
-            Surface::Phong($model) => $call,
+            Surface::Glossy(model) if K::GLOSSY => {
+                // Its functions are calls; a copy keeps what they see apart from the vertex, which stays in registers.
+                let $model = &{ *model };
+                $call
+            }
             #[cfg(feature = "glossy")]
-            Surface::RoughConductor($model) => $call,
-            #[cfg(feature = "glossy")]
-            Surface::RoughDielectric($model) => $call,
-            #[cfg(feature = "glossy")]
-            Surface::Plastic($model) => $call,
-            #[cfg(feature = "glossy")]
-            Surface::RoughPlastic($model) => $call,
+            Surface::Glossy(_) => $none,
         }
     };
 }
@@ -269,7 +196,11 @@ impl<S: Spectrum> Surface<S> {
     /// The model of a blob's material at (u, v).
     #[inline(always)]
     #[allow(clippy::unnecessary_cast)] // not unnecessary in the double-precision package
-    pub fn resolve(m: &Material, textures: TextureView<'_>, uv: [Real; 2]) -> Self {
+    pub fn resolve<K: Instance<S = S>>(
+        m: &Material,
+        textures: TextureView<'_>,
+        uv: [Real; 2],
+    ) -> Self {
         let color = |role: usize| color(m, role, textures, uv);
         match m.kind {
             material::DIFFUSE => Self::Diffuse(Diffuse {
@@ -292,7 +223,9 @@ impl<S: Spectrum> Surface<S> {
             }),
             material::NULL => Self::Null(Null),
             #[cfg(feature = "glossy")]
-            kind if kind != material::SHEET => Self::glossy(m, textures, uv),
+            kind if K::GLOSSY && kind != material::SHEET => {
+                Self::Glossy(Glossy::resolve(m, textures, uv))
+            }
             _ => Self::Sheet(Sheet {
                 specular_reflectance: color(0),
                 specular_transmittance: color(1),
@@ -301,64 +234,6 @@ impl<S: Spectrum> Surface<S> {
                     transmittance: color(3),
                 },
             }),
-        }
-    }
-    /// [`Self::resolve`] for the kinds above [`material::SHEET`]. A blend is one of its parts by now ([`chosen`]).
-    #[cfg(feature = "glossy")]
-    #[inline(never)]
-    #[allow(clippy::unnecessary_cast)] // not unnecessary in the double-precision package
-    fn glossy(m: &Material, textures: TextureView<'_>, uv: [Real; 2]) -> Self {
-        use curve::Curve;
-        use microfacet::Microfacets;
-        let color = |role: usize| color(m, role, textures, uv);
-        let ior = m.ior as Real;
-        let [first, second] = m.link;
-        let compensated = m.flags & material::COMPENSATED != 0;
-        let loss = |first: u32| match compensated {
-            true => Curve::read(textures.texels, first),
-            false => Curve::ZERO,
-        };
-        match m.kind {
-            material::PHONG => Self::Phong(Phong {
-                diffuse: Diffuse {
-                    reflectance: color(0),
-                    transmittance: color(3),
-                },
-                reflectance: color(1),
-                transmittance: color(2),
-                exponent: m.gloss[0] as Real,
-                normalization: m.gloss[1] as Real,
-                ior,
-                fresnel: m.flags & material::FRESNEL != 0,
-            }),
-            material::ROUGH_CONDUCTOR => Self::RoughConductor(RoughConductor {
-                facets: Microfacets::of(m),
-                eta: S::from_rgb(m.eta),
-                k: S::from_rgb(m.k),
-                reflectance: color(0),
-                mean: color(1),
-                loss: loss(first),
-            }),
-            material::ROUGH_DIELECTRIC => Self::RoughDielectric(RoughDielectric {
-                facets: Microfacets::of(m),
-                ior,
-                reflectance: color(0),
-                transmittance: color(1),
-                loss: [loss(first), loss(second)],
-            }),
-            material::PLASTIC => Self::Plastic(Plastic {
-                base: plastic::base(m, color(0)),
-                reflectance: color(1),
-                ior,
-            }),
-            material::ROUGH_PLASTIC => Self::RoughPlastic(RoughPlastic {
-                facets: Microfacets::of(m),
-                base: plastic::base(m, color(0)),
-                reflectance: color(1),
-                ior,
-                entering: Curve::read(textures.texels, first),
-            }),
-            _ => Self::BLACK,
         }
     }
 }
@@ -373,73 +248,41 @@ fn color<S: Spectrum>(m: &Material, role: usize, textures: TextureView<'_>, uv: 
     }
 }
 
-/// The part that a blend is at a vertex, chosen by random numbers from `draw`; any other material is itself.
-///
-/// A vertex of either walk chooses with the same probability, which therefore cancels in every ratio of densities: all
-/// estimators stay exact, and each vertex has the code of one part.
-#[cfg(feature = "glossy")]
-#[inline(always)]
-pub fn chosen<'a>(
-    materials: &'a [Material],
-    m: &'a Material,
-    textures: TextureView<'_>,
-    uv: [Real; 2],
-    draw: impl FnMut() -> Real,
-) -> &'a Material {
-    if m.kind == material::BLEND {
-        choose(materials, m, textures, uv, draw)
-    } else {
-        m
-    }
-}
+/// A surface as an instance of the estimators knows it.
+#[derive(Clone, Copy, Debug)]
+pub struct Known<'s, K: Instance>(&'s Surface<K::S>);
 
-/// As [`chosen`]; levels fall, which bounds the steps.
-#[cfg(feature = "glossy")]
-#[inline(never)]
-fn choose<'a>(
-    materials: &'a [Material],
-    mut m: &'a Material,
-    textures: TextureView<'_>,
-    uv: [Real; 2],
-    mut draw: impl FnMut() -> Real,
-) -> &'a Material {
-    for _ in 0..material::MAX_LEVEL {
-        if m.kind != material::BLEND {
-            break;
-        }
-        let second = draw() < textures.weight(m, uv);
-        let [first, other] = m.link;
-        match materials.get(if second { other } else { first } as usize) {
-            Some(part) => m = part,
-            None => break,
-        }
-    }
-    m
-}
-
-impl<S: Spectrum> Local<S> for Surface<S> {
+impl<S: Spectrum> Surface<S> {
+    /// As `K` knows it.
     #[inline(always)]
-    fn eval(&self, wo: Vec3, wi: Vec3) -> S {
-        each!(self, m => m.eval(wo, wi))
+    pub fn of<K: Instance<S = S>>(&self) -> Known<'_, K> {
+        Known(self)
+    }
+}
+
+impl<K: Instance> Local<K::S> for Known<'_, K> {
+    #[inline(always)]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> K::S {
+        each!(self.0, m => m.eval(wo, wi), else K::S::BLACK)
     }
 
     #[inline(always)]
     fn pdf(&self, w: Vec3, wi: Vec3, mode: Mode) -> Real {
-        each!(self, m => Local::<S>::pdf(m, w, wi, mode))
+        each!(self.0, m => Local::<K::S>::pdf(m, w, wi, mode), else 0.0)
     }
 
     #[inline(always)]
-    fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>> {
-        each!(self, m => m.sample(w, mode, lobe, xi))
+    fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<K::S>> {
+        each!(self.0, m => m.sample(w, mode, lobe, xi), else None)
     }
 
     #[inline(always)]
-    fn dirac_lobe(&self, w: Vec3, mode: Mode, index: u32) -> Option<Scatter<S>> {
-        each!(self, m => m.dirac_lobe(w, mode, index))
+    fn dirac_lobe(&self, w: Vec3, mode: Mode, index: u32) -> Option<Scatter<K::S>> {
+        each!(self.0, m => m.dirac_lobe(w, mode, index), else None)
     }
 
     #[inline(always)]
     fn has_smooth(&self) -> bool {
-        each!(self, m => Local::<S>::has_smooth(m))
+        each!(self.0, m => Local::<K::S>::has_smooth(m), else false)
     }
 }

@@ -4,7 +4,7 @@ use super::kernel::real::{Real, Vec3};
 use super::kernel::spectrum::Spectrum;
 use super::kernel::surface::{Local, Mode};
 use super::zoo::{
-    COLUMNS, MODES, ROWS, Random, Specimen, cells, channels, dirac_lobes, directions, zoo,
+    All, COLUMNS, MODES, ROWS, Random, Specimen, cells, channels, dirac_lobes, directions, zoo,
 };
 use etendue_tests::statistics::{Family, chi_square};
 use std::f64::consts::TAU;
@@ -22,7 +22,7 @@ fn cell(w: Vec3) -> usize {
 /// Where draws should fall: ∫ pdf over each cell, the Dirac lobes' probabilities, and what is left.
 fn shares(specimen: &Specimen, w: Vec3, mode: Mode) -> Vec<f64> {
     let surface = &specimen.surface;
-    let pdf = |wi| [surface.pdf(w, wi, mode) as f64, 0.0, 0.0];
+    let pdf = |wi| [surface.of::<All>().pdf(w, wi, mode) as f64, 0.0, 0.0];
     let mut shares: Vec<f64> = cells(specimen.glossy, w, pdf)
         .iter()
         .map(|c| c[0])
@@ -106,19 +106,19 @@ fn weights_and_densities_agree_with_the_functions() {
                     if s.dirac {
                         continue;
                     }
-                    assert!(surface.has_smooth(), "{context}");
+                    assert!(surface.of::<All>().has_smooth(), "{context}");
                     let (wo, wi) = match mode {
                         Mode::Radiance => (w, s.wi),
                         Mode::Importance => (s.wi, w),
                     };
-                    let pdf = surface.pdf(w, s.wi, mode) as f64;
+                    let pdf = surface.of::<All>().pdf(w, s.wi, mode) as f64;
                     assert!(off(pdf, s.pdf as f64) < ROUNDING, "{context}: {pdf}");
-                    let reverse = surface.pdf(s.wi, w, mode.reversed()) as f64;
+                    let reverse = surface.of::<All>().pdf(s.wi, w, mode.reversed()) as f64;
                     assert!(
                         off(reverse, s.pdf_reverse as f64) < ROUNDING,
                         "{context}: {reverse}"
                     );
-                    let f = channels(surface.eval(wo, wi));
+                    let f = channels(surface.of::<All>().eval(wo, wi));
                     for (f, weight) in f.into_iter().zip(channels(s.weight)) {
                         let should = f * s.wi.z.abs() as f64 / pdf;
                         assert!(off(should, weight) < ROUNDING, "{context}: {should}");
@@ -171,9 +171,9 @@ fn black_absorbs() {
     for name in ["black", "sheet, black"] {
         let zoo = zoo();
         let specimen = zoo.iter().find(|s| s.name == name).expect("in the zoo");
-        assert!(!specimen.surface.has_smooth());
+        assert!(!specimen.surface.of::<All>().has_smooth());
         for w in directions() {
-            let eval: super::kernel::Rgb = specimen.surface.eval(w, -w);
+            let eval: super::kernel::Rgb = specimen.surface.of::<All>().eval(w, -w);
             assert!(eval.is_black());
             assert!(
                 random

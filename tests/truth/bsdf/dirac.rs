@@ -2,8 +2,8 @@
 
 use super::kernel::Rgb;
 use super::kernel::real::{Real, Vec3};
-use super::kernel::surface::{Local, Mode, Scatter, Surface};
-use super::zoo::{MODES, channels, dirac_lobes, directions, zoo};
+use super::kernel::surface::{Glossy, Local, Mode, Scatter, Surface};
+use super::zoo::{All, MODES, channels, dirac_lobes, directions, zoo};
 use etendue_tests::fresnel;
 use glam::DVec3;
 
@@ -31,17 +31,17 @@ fn truth(surface: &Surface<Rgb>, w: DVec3, mode: Mode) -> [Lobe; 2] {
             (mirrored, channels(s.specular_reflectance)),
             (-w, channels(s.specular_transmittance)),
         ],
-        Surface::Plastic(p) => {
+        Surface::Glossy(Glossy::Plastic(p)) => {
             let (r, _) = fresnel::dielectric(1.0, p.ior as f64, w.z.abs());
             [
                 (mirrored, channels(p.reflectance).map(|k| k * r)),
                 (-w, none),
             ]
         }
-        Surface::Phong(_)
-        | Surface::RoughConductor(_)
-        | Surface::RoughDielectric(_)
-        | Surface::RoughPlastic(_) => [(mirrored, none), (-w, none)],
+        Surface::Glossy(Glossy::Phong(_))
+        | Surface::Glossy(Glossy::RoughConductor(_))
+        | Surface::Glossy(Glossy::RoughDielectric(_))
+        | Surface::Glossy(Glossy::RoughPlastic(_)) => [(mirrored, none), (-w, none)],
         Surface::Dielectric(d) => {
             let ior = d.ior as f64;
             let (n1, n2) = if w.z > 0.0 { (1.0, ior) } else { (ior, 1.0) };
@@ -127,7 +127,7 @@ fn the_lobes_that_are_listed_are_those_that_are_drawn() {
             for mode in MODES {
                 let drawn = dirac_lobes(&specimen.surface, w, mode);
                 let listed: Vec<_> = (0..16)
-                    .map_while(|i| specimen.surface.dirac_lobe(w, mode, i))
+                    .map_while(|i| specimen.surface.of::<All>().dirac_lobe(w, mode, i))
                     .collect();
                 for s in &drawn {
                     let same = listed.iter().find(|l| l.transmitted == s.transmitted);

@@ -5,14 +5,14 @@
 
 use super::kernel::real::{Real, Vec3};
 use super::kernel::surface::{Local, Mode};
-use super::zoo::{MODES, Random, Specimen, cells, channels, dirac_lobes, directions, zoo};
+use super::zoo::{All, MODES, Random, Specimen, cells, channels, dirac_lobes, directions, zoo};
 use etendue_tests::statistics::{Family, Moments};
 
 /// ∫ f(wo ← wi)|cos wo| dσ(wo) of the smooth part, by the midpoint rule, plus the Dirac lobes.
 pub fn albedo(specimen: &Specimen, wi: Vec3) -> [f64; 3] {
     let surface = &specimen.surface;
     let mut sum = [0.0; 3];
-    let f = |wo: Vec3| channels(surface.eval(wo, wi)).map(|f| f * wo.z.abs() as f64);
+    let f = |wo: Vec3| channels(surface.of::<All>().eval(wo, wi)).map(|f| f * wo.z.abs() as f64);
     for cell in cells(specimen.glossy, wi, f) {
         for (sum, f) in sum.iter_mut().zip(cell) {
             *sum += f;

@@ -3,7 +3,7 @@
 use super::kernel::Rgb;
 use super::kernel::real::{ONE_MINUS, Real, Vec3};
 use super::kernel::surface::{Local, Scatter};
-use super::zoo::{MODES, channels, direction, zoo};
+use super::zoo::{All, MODES, channels, direction, zoo};
 
 const XI: [Real; 4] = [0.0, 1e-7, 0.5, ONE_MINUS];
 
@@ -32,8 +32,8 @@ fn everything_is_finite() {
         for w in directions() {
             for mode in MODES {
                 for other in directions() {
-                    let f: Rgb = surface.eval(w, other);
-                    let pdf = surface.pdf(w, other, mode) as f64;
+                    let f: Rgb = surface.of::<All>().eval(w, other);
+                    let pdf = surface.of::<All>().pdf(w, other, mode) as f64;
                     assert!(
                         is_sane(pdf) && channels(f).into_iter().all(is_sane),
                         "{}: {w}, {other}: {pdf}, {f:?}",
@@ -42,7 +42,7 @@ fn everything_is_finite() {
                 }
                 for lobe in XI {
                     for xi in XI.into_iter().flat_map(|a| XI.map(|b| [a, b])) {
-                        let Some(s) = surface.sample(w, mode, lobe, xi) else {
+                        let Some(s) = surface.of::<All>().sample(w, mode, lobe, xi) else {
                             continue;
                         };
                         let Scatter {
@@ -79,11 +79,11 @@ fn the_tangent_plane_has_one_side() {
             let w = Vec3::new(1.0, 0.0, z);
             for mode in MODES {
                 for lobe in XI {
-                    let Some(s) = surface.sample(w, mode, lobe, [0.25, 0.3]) else {
+                    let Some(s) = surface.of::<All>().sample(w, mode, lobe, [0.25, 0.3]) else {
                         continue;
                     };
                     if !s.dirac {
-                        let pdf = surface.pdf(w, s.wi, mode);
+                        let pdf = surface.of::<All>().pdf(w, s.wi, mode);
                         assert_eq!(pdf, s.pdf, "{} from {w}: {s:?}", specimen.name);
                     }
                 }

@@ -4,7 +4,7 @@ use super::energy::albedo;
 use super::kernel::Rgb;
 use super::kernel::blob::format::{Header, Material, Toc, section};
 use super::kernel::surface::{Surface, TextureView};
-use super::zoo::{MODES, Random, Specimen, channels, direction};
+use super::zoo::{All, MODES, Random, Specimen, channels, direction};
 use etendue_host::description::{ColorSource, Distribution, Facets, Masking, Model};
 use etendue_tests::render::blob;
 use etendue_tests::scenes::Builder;
@@ -36,7 +36,7 @@ fn compiled(model: Model) -> Specimen {
     };
     Specimen {
         name: "compiled",
-        surface: Surface::<Rgb>::resolve(&materials[0], view, [0.5; 2]),
+        surface: Surface::<Rgb>::resolve::<All>(&materials[0], view, [0.5; 2]),
         lossless: false,
         glossy: true,
         reciprocal: Some(1.0),

@@ -1,14 +1,18 @@
 //! One of each: the models that tests walk over, and the directions they look from.
 
+use super::kernel::instance::GlossySurfaces;
 use super::kernel::random::{Pcg, Purpose, Sampler};
 use super::kernel::real::{ONE_MINUS, Real, Vec3};
 use super::kernel::spectrum::{Rgb, Spectrum};
 use super::kernel::surface::curve::Curve;
 use super::kernel::surface::microfacet::{Masking, Microfacets};
 use super::kernel::surface::{
-    Conductor, Dielectric, Diffuse, Local, Mirror, Mode, Null, Phong, Plastic, RoughConductor,
-    RoughDielectric, RoughPlastic, Scatter, Sheet, Surface,
+    Conductor, Dielectric, Diffuse, Glossy, Local, Mirror, Mode, Null, Phong, Plastic,
+    RoughConductor, RoughDielectric, RoughPlastic, Scatter, Sheet, Surface,
 };
+
+/// Knows all models.
+pub type All = GlossySurfaces<Rgb>;
 
 /// A local model with what tests need to know of it.
 pub struct Specimen {
@@ -139,26 +143,26 @@ fn some_loss(most: Real) -> Curve {
 
 fn glossy() -> Vec<Specimen> {
     let conductor = |facets, loss| {
-        Surface::RoughConductor(RoughConductor {
+        Surface::Glossy(Glossy::RoughConductor(RoughConductor {
             facets,
             eta: Rgb::new(0.143, 0.375, 1.442),
             k: Rgb::new(3.983, 2.386, 1.603),
             reflectance: WARM,
             mean: grey(0.7),
             loss,
-        })
+        }))
     };
     let ground = |ior, facets, loss| {
-        Surface::RoughDielectric(RoughDielectric {
+        Surface::Glossy(Glossy::RoughDielectric(RoughDielectric {
             facets,
             ior,
             reflectance: WARM,
             transmittance: COLD,
             loss,
-        })
+        }))
     };
     let phong = |colors: [Rgb; 4], exponent: Real, ior, fresnel| {
-        Surface::Phong(Phong {
+        Surface::Glossy(Glossy::Phong(Phong {
             diffuse: Diffuse {
                 reflectance: colors[0],
                 transmittance: colors[3],
@@ -169,21 +173,21 @@ fn glossy() -> Vec<Specimen> {
             normalization: (exponent + 2.0) / (2.0 * std::f64::consts::PI as Real),
             ior,
             fresnel,
-        })
+        }))
     };
-    let plastic = Surface::Plastic(Plastic {
+    let plastic = Surface::Glossy(Glossy::Plastic(Plastic {
         base: COLD * 0.8,
         reflectance: grey(0.9),
         ior: 1.5,
-    });
+    }));
     let rough_plastic = |facets, ior| {
-        Surface::RoughPlastic(RoughPlastic {
+        Surface::Glossy(Glossy::RoughPlastic(RoughPlastic {
             facets,
             base: COLD * 0.8,
             reflectance: grey(0.9),
             ior,
             entering: Curve::through(|cos| 0.9 - 0.6 * (1.0 - cos) * (1.0 - cos)),
-        })
+        }))
     };
     let none = Curve::ZERO;
     let (correlated, separable, cavities) =
@@ -438,7 +442,7 @@ pub fn dirac_lobes(surface: &Surface<Rgb>, w: Vec3, mode: Mode) -> Vec<Scatter<R
     let mut found: Vec<Scatter<Rgb>> = Vec::new();
     for i in 0..=TRIES {
         let lobe = (i as Real / TRIES as Real).min(ONE_MINUS);
-        let Some(s) = surface.sample(w, mode, lobe, [0.25, 0.5]) else {
+        let Some(s) = surface.of::<All>().sample(w, mode, lobe, [0.25, 0.5]) else {
             continue;
         };
         if s.dirac && found.iter().all(|f| f.transmitted != s.transmitted) {
@@ -473,6 +477,6 @@ impl Random {
     /// A step by `surface`.
     pub fn scatter(&mut self, surface: &Surface<Rgb>, w: Vec3, mode: Mode) -> Option<Scatter<Rgb>> {
         let lobe = self.one();
-        surface.sample(w, mode, lobe, self.two())
+        surface.of::<All>().sample(w, mode, lobe, self.two())
     }
 }

@@ -189,7 +189,16 @@ fn cloud() -> Cloud {
                 let index = matter.gridded(grid, sigma_t, [0.9, 0.5, 1.0], [3, 5, 2]);
                 let m = &mut matter.media[index];
                 (m.flags, m.to_grid) = (flags, TO_GRID);
-                (m.albedos, m.emissions, m.emission) = (albedos, emissions, [2.0, 1.0, 0.5]);
+                (m.albedos, m.emissions) = (albedos, emissions);
+                // Where nothing is absorbed, nothing may be emitted.
+                let emits = |k: usize| {
+                    if sigma_t[k] > 0.0 {
+                        [2.0, 1.0, 0.5][k]
+                    } else {
+                        0.0
+                    }
+                };
+                m.emission = std::array::from_fn(emits);
                 let kind = if nearest { "nearest" } else { "trilinear" };
                 names.push(format!("{what}, {kind}, {name}"));
             }

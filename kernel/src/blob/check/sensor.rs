@@ -10,6 +10,8 @@ use crate::real::vec3;
 
 pub(super) fn sensor(scene: &Scene<'_>, s: &Sensor) -> Checked {
     ensure(s.kind <= sensor::PANORAMA, Rule::SensorKind)?;
+    let panorama = s.kind == sensor::PANORAMA;
+    ensure(cfg!(feature = "panorama") || !panorama, Rule::SensorLeftOut)?;
     ensure(s.filter <= sensor::GAUSSIAN, Rule::SensorFilter)?;
     within(&[s.filter_radius], 1e-3, 8.0, Rule::SensorFilterRadius)?;
     let gaussian = s.filter == sensor::GAUSSIAN;
@@ -34,7 +36,7 @@ pub(super) fn sensor(scene: &Scene<'_>, s: &Sensor) -> Checked {
     unit(&s.forward, Rule::SensorForward)?;
     let axes = [(s.right, s.down), (s.down, s.forward), (s.forward, s.right)];
     let perpendicular = |(a, b): ([f32; 3], [f32; 3])| vec3(a).dot(vec3(b)).abs() <= 1e-3;
-    let whole = s.kind != sensor::PANORAMA || axes.into_iter().all(perpendicular);
+    let whole = !panorama || axes.into_iter().all(perpendicular);
     ensure(whole, Rule::SensorAxes)?;
     optional(s.medium, scene.media.len(), Rule::SensorMedium)?;
     zeros(&s.reserved, Rule::SensorReserved)

@@ -428,7 +428,7 @@ fn six_faces_make_a_cube_map() {
     );
 }
 
-/// Every scene of a folder loads, or is refused for what isn't done yet.
+/// Every scene of a folder loads.
 #[test]
 fn scenes_of_the_suite() {
     let Some(root) = std::env::var_os("ETENDUE_SCENES") else {
@@ -450,36 +450,12 @@ fn scenes_of_the_suite() {
                 .to_string_lossy()
                 .into_owned();
             seen += 1;
-            let later = [
-                "fog",
-                "smoke",
-                "sss",
-                "veach",
-                "env_matpreview",
-                "cornell_glossy",
-                "scene1",
-            ];
-            match load(&path, &[]) {
-                Ok(loaded) => {
-                    println!(
-                        "{name}: {} shapes, {:?}",
-                        loaded.description.shapes.len(),
-                        loaded.warnings
-                    );
-                    assert!(
-                        !later.iter().any(|l| name.starts_with(l)),
-                        "{name} loads now"
-                    );
-                }
-                Err(error) => {
-                    println!("{error}");
-                    assert!(later.iter().any(|l| name.starts_with(l)), "{error}");
-                    assert!(
-                        error.to_string().contains("is not supported yet"),
-                        "{error}"
-                    );
-                }
-            }
+            let loaded = load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
+            println!(
+                "{name}: {} shapes, {:?}",
+                loaded.description.shapes.len(),
+                loaded.warnings
+            );
         }
     }
     assert!(seen > 0, "no scenes in the folder");

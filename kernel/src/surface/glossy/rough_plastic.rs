@@ -1,11 +1,12 @@
 //! Rough plastic: a diffuse base under a coat of microfacets. As [`super::Plastic`], with the microfacets' reflection
 //! F·D·G₂/(4|cos θ_o||cos θ_i|) in place of the mirror's and T, what the coat lets in from a direction, a curve. Reciprocal.
 
-use super::curve::Curve;
-use super::microfacet::Microfacets;
-use super::{Local, Mode, Scatter, drawn, fresnel, on_side_of, same_side, upper};
+use super::{drawn, on_side_of, upper};
 use crate::real::{INV_PI, Real, Vec3};
 use crate::spectrum::Spectrum;
+use crate::surface::curve::Curve;
+use crate::surface::microfacet::Microfacets;
+use crate::surface::{Local, Mode, Scatter, fresnel, same_side};
 use crate::warp;
 
 /// A diffuse base under a rough coat.

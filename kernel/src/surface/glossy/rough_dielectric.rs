@@ -10,11 +10,12 @@
 //! It is the one that conserves energy (to 1.5 %, the curves' precision; conductors to 1 %), is symmetric but for η_o² and has the shape of
 //! Kulla & Conty 2017.
 
-use super::curve::Curve;
-use super::microfacet::Microfacets;
-use super::{Local, Mode, Scatter, drawn, fresh, fresnel, on_side_of, same_side, upper};
+use super::{drawn, fresh, on_side_of, upper};
 use crate::real::{INV_PI, Real, Vec3, sqrt, square};
 use crate::spectrum::Spectrum;
+use crate::surface::curve::Curve;
+use crate::surface::microfacet::Microfacets;
+use crate::surface::{Local, Mode, Scatter, fresnel, same_side};
 use crate::warp;
 
 /// Ground glass.

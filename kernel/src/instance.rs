@@ -1,4 +1,6 @@
 //! What the estimators are compiled for: a scene pays only for what it needs (`transport.md` §9).
+//!
+//! [`crate::estimate_with`] takes the first of these that has all that the scene says it needs ([`crate::blob::format::needs`]).
 
 use crate::spectrum::Spectrum;
 use core::marker::PhantomData;
@@ -7,6 +9,8 @@ use core::marker::PhantomData;
 pub trait Instance: Copy {
     /// What a path carries.
     type S: Spectrum;
+    /// Whether there are glossy models among the surfaces.
+    const GLOSSY: bool;
     /// Whether there are media: free flight, transmittance, vertices in volumes, a leading channel.
     const MEDIA: bool;
 }
@@ -17,10 +21,23 @@ pub struct Surfaces<S>(PhantomData<S>);
 
 impl<S: Spectrum> Instance for Surfaces<S> {
     type S = S;
+    const GLOSSY: bool = false;
     const MEDIA: bool = false;
 }
 
-/// Surfaces and scattering volumes.
+/// Surfaces in empty space, glossy ones among them.
+#[cfg(feature = "glossy")]
+#[derive(Clone, Copy, Debug)]
+pub struct GlossySurfaces<S>(PhantomData<S>);
+
+#[cfg(feature = "glossy")]
+impl<S: Spectrum> Instance for GlossySurfaces<S> {
+    type S = S;
+    const GLOSSY: bool = true;
+    const MEDIA: bool = false;
+}
+
+/// All surfaces and scattering volumes.
 #[cfg(feature = "media")]
 #[derive(Clone, Copy, Debug)]
 pub struct Volumes<S>(PhantomData<S>);
@@ -28,5 +45,6 @@ pub struct Volumes<S>(PhantomData<S>);
 #[cfg(feature = "media")]
 impl<S: Spectrum> Instance for Volumes<S> {
     type S = S;
+    const GLOSSY: bool = cfg!(feature = "glossy");
     const MEDIA: bool = true;
 }

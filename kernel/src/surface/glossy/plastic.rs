@@ -3,10 +3,11 @@
 //! f = k_d·T_o·T_i/(π·η²·(1 − k_d·ρ_i)) beside the coat's mirror reflection. With white the whole conserves energy and,
 //! over the hemisphere, is Saunderson's (1942) R̄ + (1−R̄)(1−ρ_i)k_d/(1−k_d·ρ_i). Reciprocal.
 
-use super::{Local, Mode, Scatter, drawn, fresnel, on_side_of, reflect, same_side, upper};
+use super::{drawn, on_side_of, upper};
 use crate::blob::format::{Material, material};
 use crate::real::{INV_PI, Real, Vec3, square};
 use crate::spectrum::Spectrum;
+use crate::surface::{Local, Mode, Scatter, fresnel, reflect, same_side};
 use crate::warp;
 
 /// A diffuse base under a smooth coat.

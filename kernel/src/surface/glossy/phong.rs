@@ -7,9 +7,10 @@
 //! nothing is if the lobes have Fresnel's shares, which depend on ω_i: then it isn't reciprocal, only energy is conserved.
 //! As n → ∞ the lobes become those of the smooth dielectric, (η_o/η_i)² included.
 
-use super::{Diffuse, Local, Mode, Scatter, drawn, fresh, fresnel, reflect, same_side};
+use super::{drawn, fresh};
 use crate::real::{PI, Real, Vec3, cos, exp, expm1, log, log1p, safe_sqrt, sin, square, tangents};
 use crate::spectrum::Spectrum;
+use crate::surface::{Diffuse, Local, Mode, Scatter, fresnel, reflect, same_side};
 
 /// Glossy lobes over a diffuse base.
 #[derive(Clone, Copy, Debug)]

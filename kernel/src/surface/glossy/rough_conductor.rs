@@ -6,11 +6,12 @@
 //! A compensated conductor gives it back by a second lobe that has the shape of what is lost, ℓ_o·ℓ_i/(π·mean ℓ), and a colour of
 //! at least two reflections, F̄²Ē/(1 − F̄(1 − Ē)) (Kulla & Conty 2017; the square is Hill's, 2018).
 
-use super::curve::Curve;
-use super::microfacet::Microfacets;
-use super::{Local, Mode, Scatter, drawn, fresnel, on_side_of, same_side, upper};
+use super::{drawn, on_side_of, upper};
 use crate::real::{Real, Vec3};
 use crate::spectrum::Spectrum;
+use crate::surface::curve::Curve;
+use crate::surface::microfacet::Microfacets;
+use crate::surface::{Local, Mode, Scatter, fresnel, same_side};
 use crate::warp;
 
 /// A metal that isn't polished.
