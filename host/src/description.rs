@@ -36,8 +36,30 @@ pub struct Description {
     pub media: Vec<Medium>,
     /// Medium of the space outside all objects; `None`: what the objects say that it is met from, vacuum if they say nothing.
     pub exterior: Option<usize>,
+    /// What paths carry.
+    pub carry: Carry,
     /// Advice of the file to the renderer.
     pub advice: Advice,
+}
+
+impl Description {
+    /// Whether paths carry wavelengths.
+    pub fn spectral(&self) -> bool {
+        let disperses = |m: &Material| matches!(m.model, Model::Dispersive { .. });
+        match self.carry {
+            Carry::AsNeeded => {
+                self.materials.iter().any(disperses)
+                    || self
+                        .textures
+                        .iter()
+                        .any(|t| matches!(t.pattern, Pattern::Spectrum(_)))
+                    || self.shapes.iter().any(|s| s.spectrum.is_some())
+                    || self.emitters.iter().any(|e| e.spectrum.is_some())
+            }
+            Carry::Rgb => false,
+            Carry::Wavelengths => true,
+        }
+    }
 }
 
 /// What a scene file says about how to render it. The command line has the last word.
@@ -157,6 +179,8 @@ pub struct Shape {
     pub back: Option<usize>,
     /// Radiance emitted on the side of the normal.
     pub emission: Option<Color>,
+    /// Its spectrum, if that is known: `emission` is what it stands for where paths carry no wavelengths.
+    pub spectrum: Option<Spectrum>,
     /// Opacity: the texture's first channel, or a constant.
     pub opacity: Option<ColorSource>,
     /// Medium behind the normal; `None`: vacuum. Where `interior` and `exterior` are both `None`, the object doesn't part media:
@@ -195,6 +219,9 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// Rows of (nm, value) by rising wavelength; linear between, constant beyond.
+pub type Spectrum = Vec<[f32; 2]>;
+
 /// A constant colour or a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColorSource {
@@ -211,6 +238,53 @@ pub struct Material {
     pub name: String,
     /// Which.
     pub model: Model,
+}
+
+/// An index of refraction by wavelength; λ in µm.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Index {
+    /// A + B/λ² + C/λ⁴.
+    Cauchy([f32; 3]),
+    /// n² = 1 + Σ Bᵢ·λ²/(λ² − Cᵢ).
+    Sellmeier {
+        /// Bᵢ.
+        b: [f32; 3],
+        /// Cᵢ, µm².
+        c: [f32; 3],
+    },
+    /// A table.
+    Table(Spectrum),
+}
+
+impl Index {
+    /// At a wavelength in nm.
+    pub fn at(&self, nm: f64) -> f64 {
+        let square = (nm * 1e-3).powi(2);
+        let wide = |c: &[f32; 3]| c.map(f64::from);
+        match self {
+            Self::Cauchy(c) => {
+                let [a, b, c] = wide(c);
+                a + b / square + c / (square * square)
+            }
+            Self::Sellmeier { b, c } => {
+                let terms = wide(b).into_iter().zip(wide(c));
+                (1.0 + terms.map(|(b, c)| b * square / (square - c)).sum::<f64>()).sqrt()
+            }
+            Self::Table(rows) => f64::from(crate::spectra::at(rows)(nm as f32)),
+        }
+    }
+}
+
+/// What paths carry.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Carry {
+    /// Wavelengths if the scene disperses or gives spectra, else red, green and blue.
+    #[default]
+    AsNeeded,
+    /// Red, green and blue: spectra are what they stand for, an index has three values.
+    Rgb,
+    /// Wavelengths.
+    Wavelengths,
 }
 
 /// The local models.
@@ -241,6 +315,19 @@ pub enum Model {
     Dielectric {
         /// Index inside over index outside.
         ior: f32,
+        /// Scale of reflection.
+        reflectance: ColorSource,
+        /// Scale of transmission.
+        transmittance: ColorSource,
+        /// Schlick's approximation instead of Fresnel's equations.
+        schlick: bool,
+    },
+    /// Smooth dielectric whose index depends on wavelength.
+    Dispersive {
+        /// Index inside by wavelength.
+        index: Index,
+        /// Index outside.
+        outside: f32,
         /// Scale of reflection.
         reflectance: ColorSource,
         /// Scale of transmission.
@@ -337,6 +424,11 @@ impl Model {
                 transmittance,
                 ..
             }
+            | Model::Dispersive {
+                reflectance,
+                transmittance,
+                ..
+            }
             | Model::RoughDielectric {
                 reflectance,
                 transmittance,
@@ -426,6 +518,8 @@ pub struct Texture {
 /// Where a texture's colours come from.
 #[derive(Clone, Debug)]
 pub enum Pattern {
+    /// The same everywhere, by wavelength; values in [0, 1].
+    Spectrum(Spectrum),
     /// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even.
     Checkerboard {
         /// Both colours.
@@ -488,6 +582,8 @@ pub struct Emitter {
     pub kind: EmitterKind,
     /// Point and spot: the medium it stands in; `None`: found from the objects around it.
     pub medium: Option<usize>,
+    /// The spectrum of what `kind` says in red, green and blue, if that is known. Not of environments.
+    pub spectrum: Option<Spectrum>,
 }
 
 /// The lights.

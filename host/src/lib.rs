@@ -13,3 +13,4 @@ pub mod load;
 pub mod memory;
 pub mod render;
 pub mod scene;
+mod spectra;

@@ -2,7 +2,7 @@
 
 use crate::blob::AlignedBlob;
 use crate::compile::compile;
-use crate::description::{Advice, Description};
+use crate::description::{Advice, Carry, Description};
 use crate::load;
 use std::path::Path;
 
@@ -17,13 +17,15 @@ pub struct Prepared {
     pub warnings: Vec<String>,
 }
 
-/// Changes to a scene file's film.
+/// Changes to what a scene file says.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Size {
+pub struct Changes {
     /// Columns.
     pub width: Option<u32>,
     /// Rows.
     pub height: Option<u32>,
+    /// What paths carry.
+    pub carry: Carry,
 }
 
 /// Whether `path` names a compiled scene.
@@ -36,12 +38,18 @@ pub fn is_blob(path: &Path) -> bool {
 ///
 /// # Errors
 /// One line: the file, the place in it, what is wrong and what was expected.
-pub fn prepare(path: &Path, defines: &[(String, String)], size: Size) -> Result<Prepared, String> {
+pub fn prepare(
+    path: &Path,
+    defines: &[(String, String)],
+    changes: Changes,
+) -> Result<Prepared, String> {
     if is_blob(path) {
-        let fixed = size.width.or(size.height).is_some() || !defines.is_empty();
+        let fixed = changes.width.or(changes.height).is_some()
+            || changes.carry != Carry::AsNeeded
+            || !defines.is_empty();
         if fixed {
             return Err(format!(
-                "{}: a compiled scene has its size and its values in it: --width, --height and -D need the scene file",
+                "{}: a compiled scene has its size and its values in it: --width, --height, --color and -D need the scene file",
                 path.display()
             ));
         }
@@ -55,7 +63,8 @@ pub fn prepare(path: &Path, defines: &[(String, String)], size: Size) -> Result<
     }
     let loaded = load::load(path, defines).map_err(|e| e.to_string())?;
     let mut description = loaded.description;
-    resize(&mut description, size)?;
+    description.carry = changes.carry;
+    resize(&mut description, &changes)?;
     let compiled = compile(&description).map_err(|e| e.in_file(path).to_string())?;
     let mut warnings = loaded.warnings;
     warnings.extend(compiled.warnings);
@@ -67,7 +76,7 @@ pub fn prepare(path: &Path, defines: &[(String, String)], size: Size) -> Result<
 }
 
 /// Another resolution; one side alone keeps the shape of the picture.
-fn resize(d: &mut Description, size: Size) -> Result<(), String> {
+fn resize(d: &mut Description, size: &Changes) -> Result<(), String> {
     let [w, h] = d.sensor.resolution;
     let follow = |n: u32, from: u32, to: u32| {
         (f64::from(n) * f64::from(to) / f64::from(from))

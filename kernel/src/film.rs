@@ -7,8 +7,8 @@
 use crate::real::Real;
 use crate::spectrum::Rgb;
 
-/// Sums of red, green and blue, in steps.
-pub type Sum = [u128; 3];
+/// Sums of red, green and blue, in steps. They have a sign, because a single wavelength is beyond the gamut of any three primaries.
+pub type Sum = [i128; 3];
 
 /// Slices of different lengths, which can't be films of one image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,11 +31,11 @@ pub struct Step {
 /// What a film could not take as it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Refused {
-    /// Contributions of 2^(e+31) and more, refused.
+    /// Contributions whose size is 2^(e+31) or more, refused.
     pub saturated: u64,
-    /// Positive contributions that rounded to 0.
+    /// Contributions other than 0 that rounded to 0.
     pub underflowed: u64,
-    /// NaN, infinite or negative contributions, refused.
+    /// NaN or infinite contributions, refused.
     pub invalid: u64,
 }
 
@@ -61,8 +61,15 @@ impl Step {
     /// `x` in steps, rounded to nearest, ties to even; `None` if it is out of range. 2³² contributions of the
     /// largest size that is taken still fit a [`Sum`].
     #[inline]
-    pub fn count(self, x: Real, refused: &mut Refused) -> Option<u128> {
-        if !(0.0..Real::INFINITY).contains(&x) {
+    pub fn count(self, x: Real, refused: &mut Refused) -> Option<i128> {
+        let size = self.size(x, refused)? as i128;
+        Some(if x < 0.0 { -size } else { size })
+    }
+
+    /// |`x`| in steps: below 2⁹⁵.
+    #[inline(always)]
+    fn size(self, x: Real, refused: &mut Refused) -> Option<u128> {
+        if !x.is_finite() {
             refused.invalid += 1;
             return None;
         }
@@ -161,7 +168,7 @@ fn round_shift(mantissa: u64, right: u32) -> u64 {
 #[allow(clippy::unnecessary_cast)] // Real is f32 or f64
 fn decompose(x: Real) -> (u64, i32) {
     const DIGITS: u32 = Real::MANTISSA_DIGITS - 1;
-    // −0 counts as not negative, so it comes here: its sign must not pass for a digit of the exponent.
+    // The sign must not pass for a digit of the exponent.
     let bits = x.abs().to_bits() as u64;
     let stored = bits & ((1 << DIGITS) - 1);
     let biased = (bits >> DIGITS) as i32;
@@ -226,8 +233,9 @@ mod tests {
             let mut refused = Refused::default();
             let mut underflowed = 0;
             for x in numbers(-148.max(exponent - 130), exponent + 31) {
-                let exact = libm::rint(libm::ldexp(f64::from(x), 64 - exponent)) as u128;
+                let exact = libm::rint(libm::ldexp(f64::from(x), 64 - exponent)) as i128;
                 assert_eq!(step.count(x, &mut refused), Some(exact), "{x:e}");
+                assert_eq!(step.count(-x, &mut Refused::default()), Some(-exact));
                 underflowed += u64::from(exact == 0);
             }
             let counted = (refused.saturated, refused.underflowed, refused.invalid);
@@ -242,20 +250,15 @@ mod tests {
         let limit: Real = 2_147_483_648.0;
         assert_eq!(step.count(limit, &mut refused), None);
         let below = limit * crate::real::ONE_MINUS;
-        let steps = libm::ldexp(f64::from(below), 64) as u128;
+        let steps = libm::ldexp(f64::from(below), 64) as i128;
         assert_eq!(step.count(below, &mut refused), Some(steps));
-        for x in [
-            Real::NAN,
-            Real::INFINITY,
-            Real::NEG_INFINITY,
-            -1.0,
-            -Real::MIN_POSITIVE,
-        ] {
+        assert_eq!(step.count(-below, &mut refused), Some(-steps));
+        for x in [Real::NAN, Real::INFINITY, Real::NEG_INFINITY] {
             assert_eq!(step.count(x, &mut refused), None);
         }
         let mut sum: Sum = [0; 3];
         step.add(&mut sum, Rgb::new(1.0, Real::NAN, 1.0), &mut refused);
-        assert_eq!((sum, refused.saturated, refused.invalid), ([0; 3], 1, 6));
+        assert_eq!((sum, refused.saturated, refused.invalid), ([0; 3], 1, 4));
     }
 
     /// What it did before: the sign passed for the exponent's highest digit, and the contribution was lost.
@@ -284,11 +287,11 @@ mod tests {
             }
         }
         // The largest contribution fits 2³² times; beyond that the sum stays at its end, in any order.
-        let largest = (1u128 << 95) - 1;
+        let largest = (1i128 << 95) - 1;
         assert!(largest.checked_mul(1 << 32).is_some());
-        let mut full: Sum = [u128::MAX - 1, 0, u128::MAX];
-        merge(&mut full, &[2, 3, 4]);
-        assert_eq!(full, [u128::MAX, 3, u128::MAX]);
+        let mut full: Sum = [i128::MAX - 1, 0, i128::MIN];
+        merge(&mut full, &[2, 3, -4]);
+        assert_eq!(full, [i128::MAX, 3, i128::MIN]);
         assert!(Step::new(64).mean(&full, 0).iter().all(|x| x.is_finite()));
     }
 

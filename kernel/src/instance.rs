@@ -11,6 +11,8 @@ pub trait Instance: Copy {
     type S: Spectrum;
     /// Whether there are glossy models among the surfaces.
     const GLOSSY: bool;
+    /// Whether there are surfaces that treat channels differently: densities by channel.
+    const DISPERSIVE: bool;
     /// Whether there are media: free flight, transmittance, vertices in volumes, a leading channel.
     const MEDIA: bool;
 }
@@ -22,6 +24,7 @@ pub struct Surfaces<S>(PhantomData<S>);
 impl<S: Spectrum> Instance for Surfaces<S> {
     type S = S;
     const GLOSSY: bool = false;
+    const DISPERSIVE: bool = false;
     const MEDIA: bool = false;
 }
 
@@ -34,17 +37,19 @@ pub struct GlossySurfaces<S>(PhantomData<S>);
 impl<S: Spectrum> Instance for GlossySurfaces<S> {
     type S = S;
     const GLOSSY: bool = true;
+    const DISPERSIVE: bool = false;
     const MEDIA: bool = false;
 }
 
-/// All surfaces and scattering volumes.
+/// All there is: surfaces, dispersing ones among them, and scattering volumes.
 #[cfg(feature = "media")]
 #[derive(Clone, Copy, Debug)]
-pub struct Volumes<S>(PhantomData<S>);
+pub struct Complete<S>(PhantomData<S>);
 
 #[cfg(feature = "media")]
-impl<S: Spectrum> Instance for Volumes<S> {
+impl<S: Spectrum> Instance for Complete<S> {
     type S = S;
     const GLOSSY: bool = cfg!(feature = "glossy");
+    const DISPERSIVE: bool = cfg!(feature = "spectral");
     const MEDIA: bool = true;
 }

@@ -6,12 +6,13 @@
 
 mod media;
 mod scenes;
+mod spectra;
 mod weights;
 
 use etendue::{Estimator, Heuristic, Scene, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::Description;
-use etendue_host::scene::{Size, prepare};
+use etendue_host::scene::{Changes, prepare};
 use etendue_tests::render::{Estimate, blob, double, single};
 use rayon::prelude::*;
 
@@ -267,7 +268,7 @@ fn mirrored_transforms() {
     let image = |mirror: &str, estimator, passes| {
         let file = folder.path().join("scene.xml");
         std::fs::write(&file, scenes::MIRRORED.replace("<mirror/>", mirror)).unwrap();
-        let made = prepare(&file, &[], Size::default()).unwrap_or_else(|e| panic!("{e}"));
+        let made = prepare(&file, &[], Changes::default()).unwrap_or_else(|e| panic!("{e}"));
         of_blob(&made.blob, estimator, Heuristic::Power, None, passes)
     };
     let (path, both) = (Estimator::Path, Estimator::Bidirectional);

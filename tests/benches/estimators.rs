@@ -13,7 +13,7 @@
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::develop::read;
 use etendue_host::render::{Budget, Device, Options, render};
-use etendue_host::scene::{Size, prepare};
+use etendue_host::scene::{Changes, prepare};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -60,7 +60,7 @@ fn measure(
     estimator: Estimator,
 ) {
     let reference = read(reference).unwrap_or_else(|e| panic!("{e}"));
-    let prepared = prepare(file, &[], Size::default()).unwrap_or_else(|e| panic!("{e}"));
+    let prepared = prepare(file, &[], Changes::default()).unwrap_or_else(|e| panic!("{e}"));
     let scene = Scene::open(prepared.blob.bytes()).unwrap_or_else(|e| panic!("{e}"));
     let mut rows: Vec<[f64; 3]> = (0..5)
         .map(|seed| {

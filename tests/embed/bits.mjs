@@ -16,7 +16,7 @@ const suite = [
 const passes = 2;
 
 const module = await load(await readFile(wasm));
-for (const name of ["matter", "gloss", "fog", "open_air", "plan"]) {
+for (const name of ["matter", "gloss", "fog", "prism", "open_air", "plan"]) {
     const scene = await Scene.open(module, await readFile(join(folder, `${name}.etd`)), { capacity: 8 });
     const film = scene.film();
     for (const [estimator, heuristic] of suite) {

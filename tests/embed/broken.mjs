@@ -8,7 +8,7 @@ const [wasm, folder] = process.argv.slice(2);
 const module = await load(await readFile(wasm));
 let refused = 0;
 let opened = 0;
-for (const name of ["matter", "gloss", "fog", "open_air", "plan"]) {
+for (const name of ["matter", "gloss", "fog", "prism", "open_air", "plan"]) {
     const whole = await readFile(join(folder, `${name}.etd`));
     const blobs = [whole.subarray(0, 0), whole.subarray(0, 100), whole.subarray(0, whole.length - 1)];
     for (let at = 0; at < whole.length; at += 61) {

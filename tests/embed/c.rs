@@ -4,7 +4,7 @@ use crate::tools::{cargo, have, run, target, text};
 use etendue::real::Vec3;
 use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
-use etendue_host::scene::{Size, prepare};
+use etendue_host::scene::{Changes, prepare};
 use etendue_tests::place::root;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -20,9 +20,9 @@ static LIBRARY: LazyLock<PathBuf> = LazyLock::new(|| {
 
 /// The Cornell box as a blob, `size` pixels wide.
 pub fn cornell(folder: &Path, size: u32) -> (PathBuf, AlignedBlob) {
-    let size = Size {
+    let size = Changes {
         width: Some(size),
-        height: None,
+        ..Changes::default()
     };
     let blob = prepare(&root().join("host/scenes/cornell-box.xml"), &[], size)
         .unwrap()
@@ -210,7 +210,7 @@ fn misuse_is_found_out() {
         return;
     }
     let folder = target("misuse");
-    for scene in ["matter", "gloss", "fog", "open_air"] {
+    for scene in ["matter", "gloss", "fog", "prism", "open_air"] {
         let blob = crate::bits::data(&format!("bits/{scene}.etd"));
         for mut way in ways(&["gcc", "-std=c11"], &beside("misuse.c"), &folder, &[]) {
             run(way.arg(&blob));
@@ -230,7 +230,7 @@ fn the_callers_control_word_is_kept_and_does_not_matter() {
         &[],
         &folder.join("control"),
     );
-    for scene in ["matter", "gloss", "fog", "open_air", "plan"] {
+    for scene in ["matter", "gloss", "fog", "prism", "open_air", "plan"] {
         let blob = crate::bits::data(&format!("bits/{scene}.etd"));
         run(Command::new(folder.join("control")).arg(blob));
     }
@@ -248,7 +248,7 @@ fn little_stack_is_used_whatever_the_capacity() {
     let folder = target("stack");
     let program = folder.join("stack");
     compile(&["gcc", "-std=c11"], &beside("stack.c"), &[], &program);
-    for scene in ["matter", "gloss", "fog", "open_air", "plan"] {
+    for scene in ["matter", "gloss", "fog", "prism", "open_air", "plan"] {
         let blob = crate::bits::data(&format!("bits/{scene}.etd"));
         let printed = text(&run(Command::new(&program).arg(blob)));
         print!("{printed}");

@@ -22,6 +22,7 @@ fn shape(
     emission: Option<[f32; 3]>,
 ) -> Shape {
     Shape {
+        spectrum: None,
         name: String::new(),
         place: Place::default(),
         geometry: Geometry::Mesh(Mesh {

@@ -43,6 +43,7 @@ fn mesh(positions: &[f32], triangles: &[[u32; 3]]) -> Mesh {
 
 fn shape(geometry: Geometry) -> Shape {
     Shape {
+        spectrum: None,
         name: String::new(),
         place: Place::default(),
         geometry,
@@ -273,6 +274,7 @@ fn lights() {
         assert_eq!(id as usize, d.emitters.len());
         let name = String::new();
         d.emitters.push(Emitter {
+            spectrum: None,
             name,
             place: Place::default(),
             kind,

@@ -4,7 +4,7 @@ use crate::bits::{data, expected};
 use crate::tools::{build_core, cargo, have, have_core, run, target, text};
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::render::{Budget, Device, Options, render};
-use etendue_host::scene::{Size, prepare};
+use etendue_host::scene::{Changes, prepare};
 use etendue_tests::bits::hash;
 use etendue_tests::place::root;
 use std::path::{Path, PathBuf};
@@ -42,9 +42,9 @@ fn link(compiler: &str, source: &Path, library: &Path, out: &Path) -> Command {
 
 /// The Cornell box as a blob, and the hash of its render.
 static CORNELL: LazyLock<(PathBuf, u64)> = LazyLock::new(|| {
-    let size = Size {
+    let size = Changes {
         width: Some(64),
-        height: None,
+        ..Changes::default()
     };
     let cornell = prepare(&root().join("host/scenes/cornell-box.xml"), &[], size).unwrap();
     let file = target("freestanding").join("cornell.etd");

@@ -3,7 +3,7 @@
 use crate::tools::{have, have_core, run, target, text};
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::render::{Budget, Device, Options, render};
-use etendue_host::scene::{Size, prepare};
+use etendue_host::scene::{Changes, prepare};
 use etendue_tests::place::root;
 use std::process::Command;
 use std::sync::atomic::AtomicBool;
@@ -38,9 +38,9 @@ fn the_module_is_that_of_the_sources() {
 
 #[test]
 fn without_a_gpu_it_says_so_and_with_one_the_bits_are_the_same() {
-    let size = Size {
+    let size = Changes {
         width: Some(64),
-        height: None,
+        ..Changes::default()
     };
     let cornell = prepare(&root().join("host/scenes/cornell-box.xml"), &[], size).unwrap();
     let scene = Scene::open(cornell.blob.bytes()).unwrap();

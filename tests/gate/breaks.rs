@@ -8,7 +8,7 @@ use crate::media::{grids, media};
 use etendue::blob::Rule;
 use etendue::blob::format::{
     Cell, Choice, Emitter, LANES, Material, NONE, Node, Packet, Sensor, Shape, Sphere, Texture,
-    Toc, Triangle, World, child, emitter, section,
+    Toc, Triangle, World, child, emitter, material, section, texture,
 };
 use etendue_host::blob::AlignedBlob;
 
@@ -316,7 +316,7 @@ fn shapes() -> Vec<Break> {
 fn materials() -> Vec<Break> {
     let m = |rule, change: fn(&mut Material)| record(rule, section::MATERIALS, GLASS, change);
     vec![
-        m(Rule::MaterialKind, |m| m.kind = 12),
+        m(Rule::MaterialKind, |m| m.kind = 13),
         m(Rule::MaterialFlags, |m| m.flags = 2),
         record(
             Rule::MaterialFlags,
@@ -347,6 +347,33 @@ fn glossy() -> Vec<Break> {
         m(Rule::MaterialFlags, PHONG, |m| m.flags = 2),
         m(Rule::MaterialFlags, GROUND, |m| m.flags = 4),
         m(Rule::MaterialFlags, BLEND, |m| m.flags = 1),
+        m(Rule::MaterialFlags, GLASS, |m| {
+            (m.kind, m.flags) = (material::DISPERSIVE, material::FORMULA);
+        }),
+        // Cauchy's, of nothing: an index of 0.
+        m(Rule::MaterialDispersion, GLASS, |m| {
+            m.kind = material::DISPERSIVE;
+        }),
+        m(Rule::MaterialDispersion, GLASS, |m| {
+            (m.kind, m.eta[0]) = (material::DISPERSIVE, 101.0);
+        }),
+        // A pole at 500 nm.
+        m(Rule::MaterialDispersion, GLASS, |m| {
+            (m.kind, m.flags) = (material::DISPERSIVE, material::SELLMEIER);
+            (m.eta[0], m.k[0]) = (1.0, 0.25);
+        }),
+        m(Rule::MaterialDispersion, GLASS, |m| {
+            (m.kind, m.flags) = (material::DISPERSIVE, material::TABLE);
+            m.link = [0, 257];
+        }),
+        // Two rows of one wavelength.
+        m(Rule::MaterialDispersion, GLASS, |m| {
+            (m.kind, m.flags) = (material::DISPERSIVE, material::TABLE);
+            m.link = [0, 2];
+        }),
+        m(Rule::MaterialReserved, GLASS, |m| {
+            (m.kind, m.eta[0], m.link[0]) = (material::DISPERSIVE, 1.5, 1);
+        }),
         m(Rule::MaterialExponent, PHONG, |m| m.gloss[0] = 1.1e5),
         m(Rule::MaterialExponent, PHONG, |m| m.gloss[0] = f32::NAN),
         m(Rule::MaterialNormalization, PHONG, |m| m.gloss[1] *= 1.01),
@@ -382,7 +409,12 @@ fn textures() -> Vec<Break> {
     let first = |rule, change: fn(&mut Texture)| record(rule, section::TEXTURES, IMAGES[0], change);
     let floats = |rule, change: fn(&mut Texture)| record(rule, section::TEXTURES, FLOATS, change);
     vec![
-        first(Rule::TextureKind, |t| t.kind = 4),
+        first(Rule::TextureKind, |t| t.kind = 5),
+        // The image's texels are all the same.
+        first(Rule::TextureRows, |t| t.kind = texture::SPECTRUM),
+        first(Rule::TextureRows, |t| {
+            (t.kind, t.width) = (texture::SPECTRUM, 0)
+        }),
         first(Rule::TextureFlags, |t| t.flags = 16),
         first(Rule::TextureToUv, |t| t.to_uv[1][2] = f32::NAN),
         first(Rule::TextureColor, |t| t.color[0][1] = 1.1),
@@ -419,7 +451,10 @@ fn emitters() -> Vec<Break> {
         e(Rule::EmitterRadiance, AREA, |e| e.radiance[1] = 1.1e30),
         e(Rule::EmitterDensity, ROUND, |e| e.density = f32::INFINITY),
         e(Rule::EmitterPosition, POINT, |e| e.position[0] = 1.1e12),
-        e(Rule::EmitterReserved, SKY, |e| e.reserved[3] = 1),
+        e(Rule::EmitterReserved, SKY, |e| e.reserved[1] = 1),
+        e(Rule::EmitterReserved, SUN, |e| e.spectrum[0] = 1),
+        e(Rule::EmitterRows, SUN, |e| e.spectrum = [0, 2]),
+        e(Rule::EmitterRows, SKY, |e| e.spectrum = [0, 1]),
         e(Rule::EmitterMedium, SUN, |e| e.medium = 2),
         e(Rule::VolumeMedium, GLOW, |e| e.medium = NONE),
         e(Rule::VolumeEdges, GLOW, |e| e.to_local[2][0] = 1.1e12),
@@ -460,7 +495,7 @@ fn environments() -> Vec<Break> {
         // The point light becomes a second sky, of the floats' texels and the sky's cells.
         broken(Rule::EnvironmentCellBudget, section::EMITTERS, SKY, |d| {
             let floats: &mut Texture = d.record(section::TEXTURES, FLOATS);
-            floats.kind = etendue::blob::format::texture::CHECKERBOARD;
+            floats.kind = texture::CHECKERBOARD;
             let texels = floats.texels;
             let sky = *d.record::<Emitter>(section::EMITTERS, SKY);
             *d.record(section::EMITTERS, POINT) = Emitter { texels, ..sky };

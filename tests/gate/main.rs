@@ -13,7 +13,7 @@ use etendue_host::blob::AlignedBlob;
 use std::collections::BTreeSet;
 
 /// Rules that no blob here can break alone, and why.
-const ELSEWHERE: [(Rule, &str); 5] = [
+const ELSEWHERE: [(Rule, &str); 7] = [
     (Rule::WorldPrimitives, "takes a blob of 150 GB"),
     (Rule::TextureLeftOut, "takes a kernel without textures"),
     (
@@ -22,6 +22,8 @@ const ELSEWHERE: [(Rule, &str); 5] = [
     ),
     (Rule::EmitterLeftOut, "takes a kernel without environments"),
     (Rule::MediumLeftOut, "takes a kernel without media"),
+    (Rule::SensorLeftOut, "takes a kernel without panoramas"),
+    (Rule::SpectraLeftOut, "takes a kernel without spectra"),
 ];
 
 #[test]

@@ -9,7 +9,7 @@ use etendue::shape::IsaKind;
 use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::render::{Budget, Device, Options, render};
-use etendue_host::scene::{Size, prepare};
+use etendue_host::scene::{Changes, prepare};
 use etendue_tests::bits::hash;
 use etendue_tests::render::blob;
 use etendue_tests::scenes::room;
@@ -25,9 +25,9 @@ fn data(file: &str) -> PathBuf {
 
 /// Small scenes, compiled.
 fn scenes() -> Vec<(&'static str, AlignedBlob)> {
-    let size = Size {
+    let size = Changes {
         width: Some(24),
-        height: None,
+        ..Changes::default()
     };
     let file = |name: &str| {
         prepare(&data(&format!("scenes/{name}.xml")), &[], size)

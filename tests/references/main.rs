@@ -8,7 +8,7 @@
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::develop::{Linear, read};
 use etendue_host::render::{Budget, Device, Options, render};
-use etendue_host::scene::{Size, prepare};
+use etendue_host::scene::{Changes, prepare};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -69,7 +69,7 @@ fn check(case: &Case<'_>) {
     let prepared = prepare(
         &case.folder.join(format!("{}.xml", case.name)),
         &[],
-        Size::default(),
+        Changes::default(),
     );
     let prepared = match prepared {
         Err(e) if e.contains("not supported yet") => {

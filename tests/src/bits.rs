@@ -4,8 +4,8 @@
 use crate::scenes::{Builder, room};
 use etendue_host::description::{
     Color, ColorSource, Description, Distribution, EmitterKind, Facets, Filter, Grid, GridValues,
-    Image, Lobe, Masking, Medium, Model, Pattern, Phase, Projection, Texels, Texture, Tracking,
-    Wrap,
+    Image, Index, Lobe, Masking, Medium, Model, Pattern, Phase, Projection, Texels, Texture,
+    Tracking, Wrap,
 };
 
 /// Columns and rows of the images.
@@ -306,6 +306,50 @@ fn fog() -> Description {
     scene.description
 }
 
+/// A room of all that disperses and gives spectra, and coloured fog.
+fn prism() -> Description {
+    let scene = room(|b| {
+        let glass = |index, schlick| Model::Dispersive {
+            index,
+            outside: 1.000_277,
+            reflectance: constant(1.0),
+            transmittance: ColorSource::Constant([1.0, 0.9, 0.8]),
+            schlick,
+        };
+        let indices = [
+            Index::Cauchy([1.5, 0.004, 0.0001]),
+            Index::Sellmeier {
+                b: [1.737_597, 0.313_747_35, 1.898_781],
+                c: [0.013_188_707, 0.062_306_814, 155.236_29],
+            },
+            Index::Table(vec![[400.0, 1.6], [550.0, 1.5], [700.0, 1.45]]),
+        ];
+        for (i, index) in indices.into_iter().enumerate() {
+            let glass = b.material(glass(index, i == 2));
+            b.sphere([-0.55 + 0.5 * i as f32, -0.2, 0.5], 0.22, Some(glass));
+        }
+        let rows = vec![[380.0, 0.1], [500.0, 0.9], [520.0, 0.2], [700.0, 0.7]];
+        let reflectance = texture(b, Pattern::Spectrum(rows));
+        let paper = b.material(Model::Diffuse {
+            reflectance,
+            transmittance: constant(0.0),
+        });
+        b.cuboid([-0.7, 0.2, 0.0], [-0.2, 0.7, 1.2], false, Some(paper));
+        let fog = b.medium([0.5, 0.3, 0.1], [0.9, 0.5, 0.8], Phase::Isotropic);
+        b.fog([0.0, 0.1, 0.1], [0.8, 0.8, 1.4], fog);
+        b.sphere([0.6, -0.3, 1.6], 0.1, None).emission = Some([4.0, 2.0, 1.0]);
+        let lamp = b.description.shapes.last_mut().unwrap();
+        lamp.spectrum = Some(vec![[450.0, 1.0], [580.0, 6.0], [600.0, 3.0]]);
+        b.light(EmitterKind::Point {
+            position: [-0.4, -0.5, 1.6],
+            intensity: [0.5; 3],
+        });
+        b.description.emitters[0].spectrum = Some(vec![[540.0, 1.0]]);
+        b.description.sensor.resolution = SIZE;
+    });
+    scene.description
+}
+
 /// A few things in the open: lat-long sky, sun, thin lens, Gaussian filter, coarse smooth normals.
 fn open_air() -> Description {
     let mut b = Builder::new().camera(
@@ -401,11 +445,12 @@ fn furnish(b: &mut Builder) {
 }
 
 /// All of them, by name.
-pub fn scenes() -> [(&'static str, Description); 5] {
+pub fn scenes() -> [(&'static str, Description); 6] {
     [
         ("matter", matter()),
         ("gloss", gloss()),
         ("fog", fog()),
+        ("prism", prism()),
         ("open_air", open_air()),
         ("plan", plan()),
     ]

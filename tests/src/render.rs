@@ -81,7 +81,7 @@ macro_rules! renderer {
                 splat: &mut dyn FnMut([u32; 2], Rgb),
             ) -> Rgb {
                 let id = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
-                one(scene, settings, &Element::Pixel(pixel), id, index, scratch.view(), splat)
+                one(scene, settings, &Element::Pixel(pixel), id, index, scratch.view(scene), splat)
             }
 
             /// [`Scene::radiance`].
@@ -95,7 +95,7 @@ macro_rules! renderer {
                 scratch: &mut Scratch<N>,
             ) -> Rgb {
                 let ray = Element::ray(origin, direction);
-                one(scene, settings, &ray, id, index, scratch.view(), &mut |_, _| ())
+                one(scene, settings, &ray, id, index, scratch.view(scene), &mut |_, _| ())
             }
 
             /// [`Scene::irradiance`].
@@ -109,7 +109,7 @@ macro_rules! renderer {
                 scratch: &mut Scratch<N>,
             ) -> Rgb {
                 let point = Element::irradiance(scene, position, normal);
-                one(scene, settings, &point, id, index, scratch.view(), &mut |_, _| ())
+                one(scene, settings, &point, id, index, scratch.view(scene), &mut |_, _| ())
             }
 
             /// Renders `passes` samples per pixel in each of `batches` independent batches, and returns the

@@ -134,6 +134,7 @@ impl Builder {
             front: material,
             back: material,
             emission: None,
+            spectrum: None,
             opacity: None,
             interior: None,
             exterior: None,
@@ -217,6 +218,7 @@ impl Builder {
     /// Adds a light that isn't a shape.
     pub fn light(&mut self, kind: EmitterKind) {
         self.description.emitters.push(Emitter {
+            spectrum: None,
             name: "light".into(),
             place: Place::default(),
             kind,

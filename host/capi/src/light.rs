@@ -91,6 +91,7 @@ pub unsafe extern "C" fn etd_builder_add_light(
         let new = scene.emitters.len();
         let name = format!("light {new}");
         scene.emitters.push(Emitter {
+            spectrum: None,
             name,
             place: Place::default(),
             kind,

@@ -197,6 +197,7 @@ fn add(
         front: optional_id("material", front, scene.materials.len())?,
         back: optional_id("material", back, scene.materials.len())?,
         emission: (emission != [0.0; 3]).then_some(emission),
+        spectrum: None,
         opacity: optional_id("texture", opacity, scene.textures.len())?.map(ColorSource::Texture),
         interior: None,
         exterior: None,

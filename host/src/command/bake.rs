@@ -1,7 +1,7 @@
 //! `etendue bake`.
 
 use super::how::How;
-use super::{Failure, define, print, warn};
+use super::{ColorName, Failure, define, print, warn};
 use crate::compile::compile;
 use crate::description::{Description, Geometry, Mesh, Shape};
 use crate::develop::{Curve, Linear, Output, Tone, write};
@@ -54,6 +54,9 @@ pub struct Bake {
     /// Value for $NAME in the scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     define: Vec<(String, String)>,
+    /// What paths carry; the default is wavelengths where the scene disperses or gives spectra
+    #[arg(long, value_enum, default_value_t = ColorName::Auto)]
+    color: ColorName,
     /// End with one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -81,7 +84,8 @@ impl Bake {
         if !self.quiet {
             warn(&loaded.warnings);
         }
-        let description = loaded.description;
+        let mut description = loaded.description;
+        description.carry = self.color.changes().carry;
         let (shape, mesh) = self.mesh(&description)?;
         let blob = compile(&description)
             .map_err(|e| e.in_file(&self.scene).to_string())?

@@ -1,8 +1,8 @@
 //! `etendue compile`.
 
-use super::{Failure, define, warn};
+use super::{ColorName, Failure, define, warn};
 use crate::develop::{check_writable, write_files};
-use crate::scene::{Size, is_blob, prepare};
+use crate::scene::{is_blob, prepare};
 use std::path::PathBuf;
 
 /// Compile a scene to a blob that the kernel opens
@@ -16,6 +16,9 @@ pub struct Compile {
     /// Value for $NAME in the scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     define: Vec<(String, String)>,
+    /// What paths carry; the default is wavelengths where the scene disperses or gives spectra
+    #[arg(long, value_enum, default_value_t = ColorName::Auto)]
+    color: ColorName,
 }
 
 impl Compile {
@@ -28,7 +31,7 @@ impl Compile {
             .into());
         }
         check_writable(&self.output)?;
-        let prepared = prepare(&self.scene, &self.define, Size::default())?;
+        let prepared = prepare(&self.scene, &self.define, self.color.changes())?;
         warn(&prepared.warnings);
         write_files(&[(&self.output, prepared.blob.bytes())])?;
         eprintln!(

@@ -1,7 +1,7 @@
 //! `etendue inspect`.
 
-use super::{Failure, define, print, warn};
-use crate::scene::{Size, prepare};
+use super::{ColorName, Failure, define, print, warn};
+use crate::scene::prepare;
 use etendue::Scene;
 use etendue::blob::format::{
     Header, NONE, Toc, WIDTH, child, emitter, material, medium, needs, section, sensor,
@@ -17,11 +17,14 @@ pub struct Inspect {
     /// Value for $NAME in the scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     define: Vec<(String, String)>,
+    /// What paths carry; the default is wavelengths where the scene disperses or gives spectra
+    #[arg(long, value_enum, default_value_t = ColorName::Auto)]
+    color: ColorName,
 }
 
 impl Inspect {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let prepared = prepare(&self.scene, &self.define, Size::default())?;
+        let prepared = prepare(&self.scene, &self.define, self.color.changes())?;
         warn(&prepared.warnings);
         let bytes = prepared.blob.bytes();
         let scene = Scene::open(bytes).map_err(|e| e.to_string())?;
@@ -99,8 +102,9 @@ fn contents(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
         "plastic",
         "rough plastic",
         "blend",
+        "dispersive",
     ];
-    debug_assert_eq!(names.len() as u32, material::BLEND + 1);
+    debug_assert_eq!(names.len() as u32, material::DISPERSIVE + 1);
     writeln!(
         out,
         "materials   {}",
@@ -323,8 +327,13 @@ fn tree(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
 
 fn left_out(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
     writeln!(out, "\nleft out, because the scene doesn't need it:")?;
-    writeln!(out, "  wavelengths: paths carry RGB")?;
     let lines = [
+        (needs::SPECTRAL, "wavelengths: paths carry RGB"),
+        (
+            needs::DISPERSION,
+            "dispersion: all channels go the same way",
+        ),
+        (needs::GLOSSY, "glossy models: lobes are diffuse or Dirac"),
         (needs::MEDIA, "media: no free flight, no transmittance"),
         (
             needs::GRIDS,

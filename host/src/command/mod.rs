@@ -1,6 +1,8 @@
 //! The program's commands, one file each.
 
+use crate::description::Carry;
 use crate::memory::about;
+use crate::scene::Changes;
 use std::io::Write;
 
 mod bake;
@@ -65,6 +67,31 @@ impl Command {
             Self::Compile(c) => c.run(),
             Self::Inspect(c) => c.run(),
             Self::Compare(c) => c.run(),
+        }
+    }
+}
+
+/// What paths carry.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum ColorName {
+    /// wavelengths where the scene needs them, else red, green and blue
+    Auto,
+    /// red, green and blue; an index that disperses has three values
+    Rgb,
+    /// four wavelengths
+    Spectral,
+}
+
+impl ColorName {
+    /// As a change to a scene.
+    fn changes(self) -> Changes {
+        Changes {
+            carry: match self {
+                Self::Auto => Carry::AsNeeded,
+                Self::Rgb => Carry::Rgb,
+                Self::Spectral => Carry::Wavelengths,
+            },
+            ..Changes::default()
         }
     }
 }

@@ -1,10 +1,10 @@
 //! `etendue render`.
 
 use super::how::How;
-use super::{Failure, define, print, warn};
+use super::{ColorName, Failure, define, print, warn};
 use crate::develop::{Curve, Linear, Output, Tone, write};
 use crate::render::{Budget, Device, Options, Progress, Rendered, render};
-use crate::scene::{Size, prepare};
+use crate::scene::{Changes, prepare};
 use clap::ValueEnum;
 use etendue::Scene;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -45,6 +45,9 @@ pub struct Render {
     /// Value for $NAME in the scene; may be repeated
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     define: Vec<(String, String)>,
+    /// What paths carry; the default is wavelengths where the scene disperses or gives spectra
+    #[arg(long, value_enum, default_value_t = ColorName::Auto)]
+    color: ColorName,
     /// Columns of the image; with --width alone the shape is kept, with both the field of view across
     #[arg(long, value_name = "W")]
     width: Option<u32>,
@@ -117,9 +120,10 @@ impl Render {
             .iter()
             .map(|path| Output::open(path))
             .collect::<Result<Vec<_>, _>>()?;
-        let size = Size {
+        let size = Changes {
             width: self.width,
             height: self.height,
+            ..self.color.changes()
         };
         let prepared = prepare(&self.scene, &self.define, size)?;
         if !self.quiet {

@@ -4,6 +4,7 @@
 use super::alias;
 use super::media::Glowing;
 use crate::description::{Color, EmitterKind};
+use crate::spectra::append;
 use bytemuck::Zeroable;
 use etendue::blob::format::{Cell, Choice, Emitter, NONE, emitter};
 use std::f64::consts::PI;
@@ -35,12 +36,13 @@ fn mean(c: Color) -> f64 {
 
 impl Emitters {
     /// Adds the light of a shape and returns its id.
-    pub fn area(&mut self, shape: u32, radiance: Color) -> u32 {
+    pub fn area(&mut self, shape: u32, radiance: Color, spectrum: [u32; 2]) -> u32 {
         self.scale = self.scale.max(mean(radiance));
         let e = Emitter {
             kind: emitter::AREA,
             shape,
             radiance,
+            spectrum,
             ..blank()
         };
         self.push(e, PI * mean(radiance), 1.0)
@@ -76,6 +78,7 @@ impl Emitters {
         &mut self,
         kind: &EmitterKind,
         medium: Option<usize>,
+        spectrum: Option<&[[f32; 2]]>,
         radius: f64,
         texels: &mut Vec<u32>,
     ) -> Result<(), String> {
@@ -84,6 +87,7 @@ impl Emitters {
         let mut e = Emitter {
             shape: NONE,
             medium: medium.map_or(NONE, |m| m as u32),
+            spectrum: spectrum.map_or([0; 2], |rows| append(texels, rows)),
             ..blank()
         };
         let mut background = false;

@@ -6,7 +6,7 @@ mod objects;
 pub(super) mod space;
 
 use super::bvh::Bounds;
-use crate::description::{Description, Geometry, Grid, Grids, Medium, Phase, Tracking};
+use crate::description::{Color, Description, Geometry, Grid, Grids, Medium, Phase, Tracking};
 use bytemuck::Zeroable;
 use etendue::blob::format::{self, Lobe, NONE, medium, needs};
 use glam::{DMat3, DVec3};
@@ -79,7 +79,12 @@ impl Media {
         };
         let mut emitted = mean(m.emission);
         if let Some(grids) = &m.grids {
-            emitted *= self.grids(m, grids, &mut record, texels)?;
+            // At one wavelength an extinction is between its channels' least and largest: any two of them may meet.
+            let bound = match d.spectral() {
+                true => [m.sigma_t.iter().copied().fold(0.0, f32::max); 3],
+                false => m.sigma_t,
+            };
+            emitted *= self.grids(m, grids, bound, &mut record, texels)?;
         }
         let emits = m.emission.iter().any(|&e| e > 0.0);
         let bounds = bounds(d, id);
@@ -107,6 +112,7 @@ impl Media {
         &mut self,
         m: &Medium,
         grids: &Grids,
+        bound: Color,
         record: &mut format::Medium,
         texels: &mut Vec<u32>,
     ) -> Result<f64, String> {
@@ -145,7 +151,7 @@ impl Media {
                 false => 0.0,
             };
         }
-        let majorants = majorants(&grids.extinction, record.sigma_t);
+        let majorants = majorants(&grids.extinction, bound);
         record.cells = majorants.cells;
         record.majorants = texels.len() as u32;
         if majorants.values.iter().any(|m| *m > EXTINCTION[1]) {

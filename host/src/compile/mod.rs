@@ -11,6 +11,7 @@ mod writer;
 
 use crate::blob::AlignedBlob;
 use crate::description::{Description, Geometry, Place};
+use crate::spectra::append;
 use emitters::{Emitters, Emitting};
 use etendue::Scene;
 use etendue::blob::BlobError;
@@ -120,7 +121,11 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
             back: optional(s.back),
             interior: optional(s.interior),
             exterior: optional(s.exterior),
-            emitter: emission.map_or(NONE, |l| emitters.area(id, l)),
+            emitter: emission.map_or(NONE, |l| {
+                let rows = s.spectrum.as_deref();
+                let spectrum = rows.map_or([0; 2], |rows| append(&mut surfaces.texels, rows));
+                emitters.area(id, l, spectrum)
+            }),
             opacity: s.opacity.map_or(NONE, |o| surfaces.as_texture(o)),
             normals: NONE,
             uvs: NONE,
@@ -204,7 +209,13 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
             reason,
         };
         emitters
-            .add(&e.kind, *medium, f64::from(radius), &mut surfaces.texels)
+            .add(
+                &e.kind,
+                *medium,
+                e.spectrum.as_deref(),
+                f64::from(radius),
+                &mut surfaces.texels,
+            )
             .map_err(fail)?;
     }
     let sphere_base = (built.packets.len() * LANES) as u32;
@@ -259,6 +270,7 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
             small && media.needs & needs::MEDIA != 0,
             needs::SMALL_LIGHTS,
         ),
+        (d.spectral(), needs::SPECTRAL),
         (!spheres.is_empty(), needs::SPHERES),
         (!geometry.normals.is_empty(), needs::SMOOTH_NORMALS),
         (

@@ -1,7 +1,8 @@
 //! Materials and textures.
 
 use super::glossy;
-use crate::description::{Color, ColorSource, Description, Model, Pattern, Texels, Wrap};
+use crate::description::{Color, ColorSource, Description, Index, Model, Pattern, Texels, Wrap};
+use crate::spectra::{append, reflected};
 use bytemuck::Zeroable;
 use etendue::blob::format::{self, Material, NONE, Texture, material, needs, texture};
 use etendue::surface::curve::Curve;
@@ -39,6 +40,12 @@ impl Surfaces {
             ..Texture::zeroed()
         };
         match pattern {
+            Pattern::Spectrum(rows) => {
+                t.kind = texture::SPECTRUM;
+                t.width = rows.len() as u32;
+                t.color[0] = reflected(rows);
+                append(&mut self.texels, rows);
+            }
             Pattern::Checkerboard { colors } => {
                 t.kind = texture::CHECKERBOARD;
                 t.color = *colors;
@@ -159,6 +166,33 @@ impl Surfaces {
                 set(&mut m, 0, reflectance);
                 set(&mut m, 1, transmittance);
                 self.needs |= needs::DIRAC | needs::TRANSMISSION;
+            }
+            Model::Dispersive {
+                ref index,
+                outside,
+                reflectance,
+                transmittance,
+                schlick,
+            } => {
+                m.kind = material::DISPERSIVE;
+                m.ior = 1.0 / outside;
+                m.flags = if schlick { material::SCHLICK } else { 0 };
+                match index {
+                    Index::Cauchy(coefficients) => {
+                        (m.flags, m.eta) = (m.flags | material::CAUCHY, *coefficients);
+                    }
+                    Index::Sellmeier { b, c } => {
+                        (m.flags, m.eta, m.k) = (m.flags | material::SELLMEIER, *b, *c);
+                    }
+                    Index::Table(rows) => {
+                        m.flags |= material::TABLE;
+                        m.link = append(&mut self.texels, rows);
+                    }
+                }
+                set(&mut m, 0, reflectance);
+                set(&mut m, 1, transmittance);
+                self.needs |= needs::DIRAC | needs::TRANSMISSION;
+                self.needs |= needs::DISPERSION;
             }
             Model::Null => {
                 m.kind = material::NULL;

@@ -128,7 +128,8 @@ fn irradiance(
         let element = Element::irradiance(scene, position, normal);
         let none = &mut |_, _| ();
         let settings = &how.settings;
-        let value = scene.estimate_element(settings, &element, sampler, &mut scratch.view(), none);
+        let value =
+            scene.estimate_element(settings, &element, sampler, &mut scratch.view(scene), none);
         for (sum, value) in sum.iter_mut().zip(value.to_array()) {
             *sum += f64::from(value);
         }

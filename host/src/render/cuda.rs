@@ -200,7 +200,7 @@ impl Gpu {
         let wide = |pair: &[u64]| {
             pair.iter()
                 .rev()
-                .fold(0u128, |sum, word| sum << 64 | u128::from(*word))
+                .fold(0, |sum, word| sum << 64 | i128::from(*word))
         };
         let sum =
             |pixel: &[u64]| std::array::from_fn(|c| pixel.get(2 * c..2 * c + 2).map_or(0, wide));

@@ -79,8 +79,12 @@ pub mod needs {
     pub const GLOSSY: u32 = 1 << 11;
     /// At least one light that is small for the scene, among media: distances to it are worth sampling (equiangular).
     pub const SMALL_LIGHTS: u32 = 1 << 12;
+    /// At least one surface that treats channels differently: a dispersing dielectric.
+    pub const DISPERSION: u32 = 1 << 13;
+    /// Paths carry wavelengths rather than red, green and blue.
+    pub const SPECTRAL: u32 = 1 << 14;
     /// All that this version knows.
-    pub const KNOWN: u32 = (1 << 13) - 1;
+    pub const KNOWN: u32 = (1 << 15) - 1;
 }
 
 /// Section kinds.
@@ -306,6 +310,16 @@ pub mod material {
     pub const ROUGH_PLASTIC: u32 = 10;
     /// One of two materials, `link`: the second with probability `color[0]`'s first channel.
     pub const BLEND: u32 = 11;
+    /// Dielectric whose index depends on wavelength: `ior` times what its [`FORMULA`] says (λ in µm). Colours as [`DIELECTRIC`].
+    pub const DISPERSIVE: u32 = 12;
+    /// Flags on [`DISPERSIVE`], which formula.
+    pub const FORMULA: u32 = 6;
+    /// n = `eta[0]` + `eta[1]`/λ² + `eta[2]`/λ⁴.
+    pub const CAUCHY: u32 = 0;
+    /// n² = 1 + Σᵢ `eta[i]`·λ²/(λ² − `k[i]`).
+    pub const SELLMEIER: u32 = 2;
+    /// n is linear between rows of (nm, n): `link[1]` pairs of words of [`section::TEXELS`](super::section::TEXELS), from word `link[0]` on.
+    pub const TABLE: u32 = 4;
     /// Flag on a dielectric: Schlick's approximation in place of Fresnel's equations.
     pub const SCHLICK: u32 = 1;
     /// Flag on [`PHONG`]: the lobes have Fresnel's shares of the light, by the angle at which it comes.
@@ -357,6 +371,14 @@ pub struct Material {
     pub level: u32,
 }
 
+/// The rows of a table in the texels: none where they would be beyond.
+#[inline(always)]
+pub fn table(texels: &[u32], first: u32, rows: u32) -> &[[u32; 2]] {
+    let words = texels.get(first as usize..).unwrap_or(&[]);
+    let (all, _) = words.as_chunks();
+    all.get(..rows as usize).unwrap_or(&[])
+}
+
 /// Texture kinds and flags.
 pub mod texture {
     /// `color[0]` where ⌊u⌋ + ⌊v⌋ is even, else `color[1]`.
@@ -367,6 +389,9 @@ pub mod texture {
     pub const LINEAR8: u32 = 2;
     /// Texels of three words, `f32` RGB, ≥ 0.
     pub const FLOAT: u32 = 3;
+    /// The same everywhere: `width` rows of (nm, value), two words each, by rising wavelength, values ≥ 0; linear between. `color[0]` is what
+    /// it stands for where paths carry no wavelengths.
+    pub const SPECTRUM: u32 = 4;
     /// Flag: the nearest texel rather than bilinear.
     pub const NEAREST: u32 = 1;
     /// Flag: clamp coordinates rather than repeat.
@@ -461,8 +486,11 @@ pub struct Emitter {
     pub cells: u32,
     /// point, spot: the medium it stands in. volume: the medium that emits. [`NONE`]: vacuum.
     pub medium: u32,
+    /// Its spectrum: first word in [`section::TEXELS`] and number of rows (nm, value), two words each, by rising wavelength; linear
+    /// between. With no rows it is that of light of the colour `radiance`, which stands in where paths carry no wavelengths.
+    pub spectrum: [u32; 2],
     /// Zero.
-    pub reserved: [u32; 4],
+    pub reserved: [u32; 2],
 }
 
 /// An entry of the alias table over emitting primitives (Walker 1977, Vose 1991): stay with

@@ -5,8 +5,10 @@ mod error;
 pub mod format;
 mod rule;
 mod scene;
+mod view;
 
 pub use check::MAX_COORDINATE;
 pub use error::BlobError;
 pub use rule::{Problem, Rule};
 pub use scene::Scene;
+pub use view::View;

@@ -68,7 +68,7 @@ impl Call<'_> {
             scene,
             settings,
             hooks: optional(hooks)?.unwrap_or(EtdHooks::NONE).check()?,
-            scratch: scratch(memory)?,
+            scratch: scratch(memory, scene)?,
             _control: Control::set(),
         })
     }

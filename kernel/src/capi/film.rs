@@ -5,7 +5,7 @@ use super::scene::{EtdScene, scene};
 use super::status::{ETD_E_ARGUMENT, ETD_E_SIZE, EtdStatus, status_of};
 use crate::film::{Step, Sum, merge};
 
-/// Exact sums of red, green and blue: integers of 128 bits, low word first. All zero at the beginning. The same bits on
+/// Exact sums of red, green and blue: integers of 128 bits (two's complement), low word first. All zero at the beginning. The same bits on
 /// every machine; may be stored and sent.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -17,12 +17,12 @@ pub struct EtdSum {
 impl EtdSum {
     pub(super) fn get(&self) -> Sum {
         let [r0, r1, g0, g1, b0, b1] = self.words;
-        let wide = |low, high| u128::from(low) | u128::from(high) << 64;
+        let wide = |low, high| (u128::from(low) | u128::from(high) << 64) as i128;
         [wide(r0, r1), wide(g0, g1), wide(b0, b1)]
     }
 
     pub(super) fn set(&mut self, [r, g, b]: Sum) {
-        let (low, high) = (|x: u128| x as u64, |x: u128| (x >> 64) as u64);
+        let (low, high) = (|x: i128| x as u64, |x: i128| (x >> 64) as u64);
         self.words = [low(r), high(r), low(g), high(g), low(b), high(b)];
     }
 }

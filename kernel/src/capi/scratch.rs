@@ -4,6 +4,7 @@ use super::arguments::{Sized32, output};
 use super::status::{
     ETD_E_ARGUMENT, ETD_E_HANDLE, ETD_E_MISALIGNED, ETD_E_NULL, ETD_E_SIZE, EtdStatus, status_of,
 };
+use crate::blob::Scene;
 use crate::estimate::{Scratch, ScratchView};
 use crate::path::Counters;
 use core::ffi::c_void;
@@ -86,8 +87,29 @@ unsafe fn make<const N: usize>(memory: *mut c_void) {
     }
 }
 
-/// The scratch behind a handle, of any capacity.
-pub(super) fn scratch<'a>(handle: *mut EtdScratch) -> Result<ScratchView<'a>, EtdStatus> {
+/// The scratch behind a handle, of any capacity, for walks through `scene`.
+pub(super) fn scratch<'a>(
+    handle: *mut EtdScratch,
+    scene: &Scene<'_>,
+) -> Result<ScratchView<'a>, EtdStatus> {
+    fn view<'a, const N: usize>(handle: *mut EtdScratch, scene: &Scene<'_>) -> ScratchView<'a> {
+        held::<N>(handle).view(scene)
+    }
+    let capacity = capacity(handle)?;
+    with_capacity!(capacity, view, handle, scene).map_err(|_| ETD_E_HANDLE)
+}
+
+/// What has been counted in the scratch behind a handle.
+fn counters<'a>(handle: *mut EtdScratch) -> Result<&'a mut Counters, EtdStatus> {
+    fn view<'a, const N: usize>(handle: *mut EtdScratch) -> &'a mut Counters {
+        &mut held::<N>(handle).counters
+    }
+    let capacity = capacity(handle)?;
+    with_capacity!(capacity, view, handle).map_err(|_| ETD_E_HANDLE)
+}
+
+/// The capacity that a handle's scratch was made with.
+fn capacity(handle: *mut EtdScratch) -> Result<u32, EtdStatus> {
     if handle.is_null() {
         return Err(ETD_E_NULL);
     }
@@ -99,12 +121,14 @@ pub(super) fn scratch<'a>(handle: *mut EtdScratch) -> Result<ScratchView<'a>, Et
     if head.magic != MAGIC {
         return Err(ETD_E_HANDLE);
     }
-    fn view<'a, const N: usize>(handle: *mut EtdScratch) -> ScratchView<'a> {
-        // SAFETY: only `make::<N>` writes the number and this capacity, with a scratch of it behind; one thread at
-        // a time uses it, by the caller's word.
-        unsafe { &mut (*handle.cast::<Held<N>>()).scratch }.view()
-    }
-    with_capacity!(head.capacity, view, handle).map_err(|_| ETD_E_HANDLE)
+    Ok(head.capacity)
+}
+
+/// The scratch behind a handle that says `N`.
+fn held<'a, const N: usize>(handle: *mut EtdScratch) -> &'a mut Scratch<N> {
+    // SAFETY: only `make::<N>` writes the number and this capacity, with a scratch of it behind; one thread at
+    // a time uses it, by the caller's word.
+    unsafe { &mut (*handle.cast::<Held<N>>()).scratch }
 }
 
 /// Bytes of memory that a scratch of `capacity` needs: 8, 32 or 128 vertices of a stored light walk (it bounds which
@@ -155,9 +179,9 @@ pub unsafe extern "C" fn etd_scratch_counters(
     clear: i32,
 ) -> EtdStatus {
     status_of((|| {
-        let mut view = scratch(handle)?;
+        let counted = self::counters(handle)?;
         let out = output(counters)?;
-        let c = *view.counters();
+        let c = *counted;
         *out = EtdCounters {
             struct_size: out.struct_size,
             reserved: 0,
@@ -169,7 +193,7 @@ pub unsafe extern "C" fn etd_scratch_counters(
             rejected: c.rejected,
         };
         if clear != 0 {
-            *view.counters() = Counters::ZERO;
+            *counted = Counters::ZERO;
         }
         Ok(())
     })())

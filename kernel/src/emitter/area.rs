@@ -4,8 +4,8 @@
 //! a shape: [`crate::blob::format::Emitter::density`].
 
 use super::{Emission, Incident};
-use crate::blob::Scene;
 use crate::blob::format::{Emitter, NONE, Sphere};
+use crate::blob::{Scene, View};
 use crate::real::{Frame, INV_PI, PI, Real, Vec3, safe_sqrt, sqrt, square, vec3};
 use crate::shape::{Point, sphere_offset, triangle_normal, triangle_offset};
 use crate::spectrum::Spectrum;
@@ -13,9 +13,14 @@ use crate::warp;
 
 /// Radiance that leaves `point` towards `direction` (s = 0): on the side of the normal only.
 #[inline(always)]
-pub fn radiance<S: Spectrum>(e: &Emitter, point: &Point, direction: Vec3) -> S {
+pub fn radiance<S: Spectrum>(
+    scene: View<'_, '_, S>,
+    e: &Emitter,
+    point: &Point,
+    direction: Vec3,
+) -> S {
     if point.normal.dot(direction) > 0.0 {
-        S::from_rgb(e.radiance)
+        scene.emitted(e)
     } else {
         S::BLACK
     }
@@ -66,7 +71,7 @@ pub(super) fn connect_over_trace(sphere: &Sphere, x0: Vec3, normal: Vec3, y: Vec
 /// Light that arrives at `y` from `primitive`.
 #[inline(always)]
 pub(super) fn incident<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     e: &Emitter,
     primitive: u32,
     y: Vec3,
@@ -84,7 +89,7 @@ pub(super) fn incident<S: Spectrum>(
         return (cos_light > 0.0).then(|| Incident {
             direction,
             end: Some(y + direction * distance + outwards * sphere_offset(sphere)),
-            radiance: S::from_rgb(e.radiance),
+            radiance: scene.emitted(e),
             pdf,
             dirac: false,
             trace_over_connect: density / (pdf * jacobian),
@@ -93,12 +98,13 @@ pub(super) fn incident<S: Spectrum>(
         });
     }
     // A uniform point, as any walk would draw it.
-    shine(e, &place(scene, primitive, xi)?, 1.0, y)
+    shine(scene, e, &place(&scene, primitive, xi)?, 1.0, y)
 }
 
 /// Light that arrives at `y` from a uniform point of a primitive; p_connect(x₀ | y)/p_trace(x₀) is `over_trace`.
 #[inline(always)]
 pub(super) fn shine<S: Spectrum>(
+    scene: View<'_, '_, S>,
     e: &Emitter,
     place: &Place,
     over_trace: Real,
@@ -115,7 +121,7 @@ pub(super) fn shine<S: Spectrum>(
     (cos_light > 0.0).then(|| Incident {
         direction,
         end: Some(place.position + place.normal * place.offset),
-        radiance: S::from_rgb(e.radiance),
+        radiance: scene.emitted(e),
         pdf: Real::from(e.density) * over_trace * squared / cos_light,
         dirac: false,
         trace_over_connect: 1.0 / over_trace,
@@ -127,7 +133,7 @@ pub(super) fn shine<S: Spectrum>(
 /// Light that leaves: a uniform point, a direction by the cosine.
 #[inline(always)]
 pub(super) fn emission<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     e: &Emitter,
     primitive: u32,
     xi: [Real; 2],
@@ -135,13 +141,13 @@ pub(super) fn emission<S: Spectrum>(
 ) -> Option<Emission<S>> {
     let point = match scene.sphere(primitive) {
         Some(s) => Point::on_sphere(
-            scene,
+            &scene,
             primitive,
             vec3(s.center) + warp::sphere(xi) * Real::from(s.radius),
         )?,
         None => {
             let [u, v] = warp::triangle(xi);
-            Point::on_triangle(scene, primitive, u, v)?
+            Point::on_triangle(&scene, primitive, u, v)?
         }
     };
     let local = warp::cosine_hemisphere(direction);
@@ -149,7 +155,7 @@ pub(super) fn emission<S: Spectrum>(
     let direction = Frame::around(point.normal).world(local);
     let trace = trace_density(e);
     // L·cos/(p(x₀)·cos/π): the cosine cancels.
-    let visible = S::from_rgb(e.radiance) * (1.0 / trace);
+    let visible = scene.emitted(e) * (1.0 / trace);
     (cos > 0.0).then(|| Emission {
         position: point.position,
         origin: point.leave(direction),

@@ -4,7 +4,7 @@
 #[cfg(feature = "environment")]
 use super::environment;
 use super::{Emission, Incident, disc_density};
-use crate::blob::Scene;
+use crate::blob::View;
 #[cfg(feature = "environment")]
 use crate::blob::format::emitter as kind;
 use crate::blob::format::{Emitter, NONE};
@@ -22,29 +22,29 @@ pub(super) struct Direction<S> {
 
 /// The same from everywhere: density 1/4π.
 #[inline(always)]
-fn constant<S: Spectrum>(e: &Emitter, direction: Vec3) -> Direction<S> {
+fn constant<S: Spectrum>(scene: View<'_, '_, S>, e: &Emitter, direction: Vec3) -> Direction<S> {
     Direction {
         direction,
-        radiance: S::from_rgb(e.radiance),
+        radiance: scene.emitted(e),
         pdf: 0.25 * INV_PI,
     }
 }
 
 /// What comes from `direction`.
 #[inline(always)]
-fn radiance<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, direction: Vec3) -> Direction<S> {
+fn radiance<S: Spectrum>(scene: View<'_, '_, S>, e: &Emitter, direction: Vec3) -> Direction<S> {
     let _ = scene;
     match e.kind {
         #[cfg(feature = "environment")]
         kind::LATLONG | kind::CUBEMAP => environment::radiance(scene, e, direction),
-        _ => constant(e, direction),
+        _ => constant(scene, e, direction),
     }
 }
 
 /// Draws a direction by importance.
 #[inline(always)]
 fn sample<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     e: &Emitter,
     xi: [Real; 2],
     more: [Real; 2],
@@ -53,14 +53,14 @@ fn sample<S: Spectrum>(
     match e.kind {
         #[cfg(feature = "environment")]
         kind::LATLONG | kind::CUBEMAP => environment::sample(scene, e, xi, more),
-        _ => Some(constant(e, warp::sphere(xi))),
+        _ => Some(constant(scene, e, warp::sphere(xi))),
     }
 }
 
 /// What a walk sees that leaves the scene towards `direction`: radiance, and the density per solid
 /// angle with which the background is sampled there (p_connect = p_trace).
 #[inline(always)]
-pub fn background<S: Spectrum>(scene: &Scene<'_>, direction: Vec3) -> Option<(S, Real)> {
+pub fn background<S: Spectrum>(scene: View<'_, '_, S>, direction: Vec3) -> Option<(S, Real)> {
     let e = scene.emitter(scene.world().background)?;
     let seen = radiance(scene, e, direction);
     Some((seen.radiance, seen.pdf * Real::from(e.density)))
@@ -69,7 +69,7 @@ pub fn background<S: Spectrum>(scene: &Scene<'_>, direction: Vec3) -> Option<(S,
 /// Light that arrives from a background.
 #[inline(always)]
 pub(super) fn incident<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     e: &Emitter,
     xi: [Real; 2],
     more: [Real; 2],
@@ -86,7 +86,7 @@ pub(super) fn incident<S: Spectrum>(
         pdf: pdf * Real::from(e.density),
         dirac: false,
         trace_over_connect: 1.0,
-        emission: disc_density(scene),
+        emission: disc_density(&scene),
         medium: NONE,
     })
 }
@@ -94,7 +94,7 @@ pub(super) fn incident<S: Spectrum>(
 /// Light that leaves a background: from a direction as above, through a point of the disc.
 #[inline(always)]
 pub(super) fn emission<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     e: &Emitter,
     disc: [Real; 2],
     xi: [Real; 2],
@@ -114,15 +114,18 @@ pub(super) fn emission<S: Spectrum>(
 
 /// Light that arrives from a far star.
 #[inline(always)]
-pub(super) fn directional_incident<S: Spectrum>(scene: &Scene<'_>, e: &Emitter) -> Incident<S> {
+pub(super) fn directional_incident<S: Spectrum>(
+    scene: View<'_, '_, S>,
+    e: &Emitter,
+) -> Incident<S> {
     Incident {
         direction: -vec3(e.direction),
         end: None,
-        radiance: S::from_rgb(e.radiance),
+        radiance: scene.emitted(e),
         pdf: Real::from(e.density),
         dirac: true,
         trace_over_connect: 1.0,
-        emission: disc_density(scene),
+        emission: disc_density(&scene),
         medium: NONE,
     }
 }
@@ -130,19 +133,19 @@ pub(super) fn directional_incident<S: Spectrum>(scene: &Scene<'_>, e: &Emitter) 
 /// Light that leaves a far star.
 #[inline(always)]
 pub(super) fn directional_emission<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     e: &Emitter,
     disc: [Real; 2],
 ) -> Emission<S> {
     let trace = Real::from(e.density);
-    let flux = S::from_rgb(e.radiance) * (1.0 / trace);
+    let flux = scene.emitted(e) * (1.0 / trace);
     enter(scene, vec3(e.direction), disc, flux, S::BLACK, trace, true)
 }
 
 /// A ray that enters the scene along `direction` through the disc of its bounding sphere.
 #[inline(always)]
 fn enter<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     direction: Vec3,
     disc: [Real; 2],
     radiance: S,
@@ -155,7 +158,7 @@ fn enter<S: Spectrum>(
     let [x, y] = warp::disc(disc);
     let frame = Frame::around(direction);
     let position = vec3(world.center) + (frame.x * x + frame.y * y - direction) * radius;
-    let direction_pdf = disc_density(scene);
+    let direction_pdf = disc_density(&scene);
     Emission {
         position,
         origin: position,

@@ -6,19 +6,19 @@
 
 use super::distant::Direction;
 use super::pick_cell;
-use crate::blob::Scene;
 use crate::blob::format::{Cell, Emitter, emitter as kind};
+use crate::blob::{Scene, View};
 use crate::real::{INV_PI, PI, Real, Vec3, acos, atan2, cos, safe_sqrt, sin, sqrt, square, vec3};
 use crate::spectrum::Spectrum;
 
 /// What comes from `direction`.
 #[inline]
 pub(super) fn radiance<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     e: &Emitter,
     direction: Vec3,
 ) -> Direction<S> {
-    let scale = S::from_rgb(e.radiance);
+    let scale = scene.light(e.radiance);
     let (texel, pdf): (S, Real) = match e.kind {
         kind::LATLONG => LatLong { scene, e }.look(to_local(e, direction)),
         _ => CubeMap { scene, e }.look(to_local(e, direction)),
@@ -33,12 +33,12 @@ pub(super) fn radiance<S: Spectrum>(
 /// Draws a direction by importance.
 #[inline]
 pub(super) fn sample<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     e: &Emitter,
     xi: [Real; 2],
     more: [Real; 2],
 ) -> Option<Direction<S>> {
-    let (index, cell) = pick_cell(cells(scene, e), more)?;
+    let (index, cell) = pick_cell(cells(&scene, e), more)?;
     let local = if e.kind == kind::LATLONG {
         LatLong { scene, e }.direction(index, xi)
     } else {
@@ -77,21 +77,21 @@ fn to_local(e: &Emitter, direction: Vec3) -> Vec3 {
 }
 
 #[inline(always)]
-fn texel<S: Spectrum>(scene: &Scene<'_>, e: &Emitter, column: u32, row: u32) -> S {
+fn texel<S: Spectrum>(scene: View<'_, '_, S>, e: &Emitter, column: u32, row: u32) -> S {
     let at = e.texels as usize + 3 * (row as usize * e.width as usize + column as usize);
     match scene.texels().get(at..at + 3) {
-        Some(&[r, g, b]) => S::from_rgb([f32::from_bits(r), f32::from_bits(g), f32::from_bits(b)]),
+        Some(&[r, g, b]) => scene.lift([f32::from_bits(r), f32::from_bits(g), f32::from_bits(b)]),
         _ => S::BLACK,
     }
 }
 
 /// Up is y; +x at u = 1/4, +z at u = 1/2, −z at u = 0.
-struct LatLong<'s, 'a> {
-    scene: &'s Scene<'a>,
+struct LatLong<'s, 'a, S: Spectrum> {
+    scene: View<'s, 'a, S>,
     e: &'s Emitter,
 }
 
-impl LatLong<'_, '_> {
+impl<S: Spectrum> LatLong<'_, '_, S> {
     /// Row height in θ.
     fn step(&self) -> Real {
         PI / (self.e.height - 1) as Real
@@ -99,7 +99,7 @@ impl LatLong<'_, '_> {
 
     /// Colour and density towards the unit vector `d`.
     #[inline]
-    fn look<S: Spectrum>(&self, d: Vec3) -> (S, Real) {
+    fn look(&self, d: Vec3) -> (S, Real) {
         let (w, h) = (self.e.width, self.e.height);
         let phi = atan2(d.x, -d.z) * (0.5 * INV_PI);
         let u = (if phi < 0.0 { phi + 1.0 } else { phi }) * w as Real - 0.5;
@@ -112,11 +112,11 @@ impl LatLong<'_, '_> {
             (theta - row as Real).clamp(0.0, 1.0),
         );
         let right = if column + 1 == w { 0 } else { column + 1 };
-        let t = |c, r| texel::<S>(self.scene, self.e, c, r);
+        let t = |c, r| texel(self.scene, self.e, c, r);
         let color = (t(column, row) * (1.0 - fx) + t(right, row) * fx) * (1.0 - fy)
             + (t(column, row + 1) * (1.0 - fx) + t(right, row + 1) * fx) * fy;
         let index = row as usize * w as usize + column as usize;
-        let probability = cells(self.scene, self.e)
+        let probability = cells(&self.scene, self.e)
             .get(index)
             .map_or(0.0, |c| Real::from(c.probability));
         (color, probability / self.solid_angle(row))
@@ -145,14 +145,14 @@ impl LatLong<'_, '_> {
 }
 
 /// Faces +x −x +y −y +z −z, stacked.
-struct CubeMap<'s, 'a> {
-    scene: &'s Scene<'a>,
+struct CubeMap<'s, 'a, S: Spectrum> {
+    scene: View<'s, 'a, S>,
     e: &'s Emitter,
 }
 
-impl CubeMap<'_, '_> {
+impl<S: Spectrum> CubeMap<'_, '_, S> {
     #[inline]
-    fn look<S: Spectrum>(&self, d: Vec3) -> (S, Real) {
+    fn look(&self, d: Vec3) -> (S, Real) {
         let a = d.abs();
         let (face, major, s, t) = if a.x >= a.y && a.x >= a.z {
             (if d.x < 0.0 { 1 } else { 0 }, a.x, d.y, d.z)
@@ -165,7 +165,7 @@ impl CubeMap<'_, '_> {
         let place = |x: Real| ((((x / major + 1.0) * 0.5 * w as Real).max(0.0)) as u32).min(w - 1);
         let (column, row) = (place(s), face * w + place(t));
         let index = row as usize * w as usize + column as usize;
-        let probability = cells(self.scene, self.e)
+        let probability = cells(&self.scene, self.e)
             .get(index)
             .map_or(0.0, |c| Real::from(c.probability));
         // dω = dA/(1 + s² + t²)^{3/2}; a texel has area (2/w)² on the face at distance 1.

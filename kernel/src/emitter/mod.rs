@@ -24,8 +24,8 @@ pub use choice::pick_cell;
 pub use choice::pick_choice;
 pub use distant::background;
 
-use crate::blob::Scene;
 use crate::blob::format::{Choice, Emitter, emitter as kind};
+use crate::blob::{Scene, View};
 use crate::real::{INV_PI, Real, Vec3, square, vec3};
 use crate::spectrum::Spectrum;
 
@@ -107,7 +107,7 @@ pub fn probability(scene: &Scene<'_>, entry: &Choice) -> Real {
 /// Draws light that arrives at `y`.
 #[inline]
 pub fn incident<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     y: Vec3,
     choice: [Real; 2],
     xi: [Real; 2],
@@ -119,7 +119,7 @@ pub fn incident<S: Spectrum>(
 /// The same from the emitter, or the emitting primitive, that `entry` names.
 #[inline]
 pub fn incident_from<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     entry: &Choice,
     y: Vec3,
     xi: [Real; 2],
@@ -128,7 +128,7 @@ pub fn incident_from<S: Spectrum>(
     let emitter = scene.emitter(entry.emitter)?;
     match emitter.kind {
         kind::AREA => area::incident(scene, emitter, entry.primitive, y, xi),
-        kind::POINT | kind::SPOT => point::incident(emitter, y),
+        kind::POINT | kind::SPOT => point::incident(scene, emitter, y),
         kind::DIRECTIONAL => Some(distant::directional_incident(scene, emitter)),
         #[cfg(feature = "media")]
         kind::VOLUME => volume::incident(scene, emitter, y, [xi[0], xi[1], more[0]]),
@@ -172,7 +172,7 @@ impl Source<'_> {
 
     /// Light that arrives at `y` from it.
     #[inline(always)]
-    pub fn shine<S: Spectrum>(&self, scene: &Scene<'_>, y: Vec3) -> Option<Incident<S>> {
+    pub fn shine<S: Spectrum>(&self, scene: View<'_, '_, S>, y: Vec3) -> Option<Incident<S>> {
         match &self.place {
             Some(place) => {
                 let over_trace = match scene.sphere(self.primitive) {
@@ -181,9 +181,9 @@ impl Source<'_> {
                     }
                     None => 1.0,
                 };
-                area::shine(self.emitter, place, over_trace, y)
+                area::shine(scene, self.emitter, place, over_trace, y)
             }
-            None => point::incident(self.emitter, y),
+            None => point::incident(scene, self.emitter, y),
         }
     }
 }
@@ -191,7 +191,7 @@ impl Source<'_> {
 /// Draws light that leaves.
 #[inline]
 pub fn emission<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     choice: [Real; 2],
     position: [Real; 2],
     direction: [Real; 2],
@@ -201,7 +201,7 @@ pub fn emission<S: Spectrum>(
     let emitter = scene.emitter(entry.emitter)?;
     match emitter.kind {
         kind::AREA => area::emission(scene, emitter, entry.primitive, position, direction),
-        kind::POINT | kind::SPOT => point::emission(emitter, direction),
+        kind::POINT | kind::SPOT => point::emission(scene, emitter, direction),
         kind::DIRECTIONAL => Some(distant::directional_emission(scene, emitter, position)),
         #[cfg(feature = "media")]
         kind::VOLUME => {

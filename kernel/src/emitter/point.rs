@@ -1,6 +1,7 @@
 //! Points: isotropic, and spots whose intensity falls off linearly in angle.
 
 use super::{Emission, Incident};
+use crate::blob::View;
 use crate::blob::format::{Emitter, NONE, emitter as kind};
 use crate::real::{INV_PI, PI, Real, Vec3, acos, vec3};
 use crate::spectrum::Spectrum;
@@ -39,7 +40,11 @@ fn direction_pdf(e: &Emitter, direction: Vec3) -> Real {
 
 /// Light that arrives at `y`.
 #[inline(always)]
-pub(super) fn incident<S: Spectrum>(e: &Emitter, y: Vec3) -> Option<Incident<S>> {
+pub(super) fn incident<S: Spectrum>(
+    scene: View<'_, '_, S>,
+    e: &Emitter,
+    y: Vec3,
+) -> Option<Incident<S>> {
     let to_light = vec3(e.position) - y;
     let square = to_light.length_squared();
     if square <= 0.0 {
@@ -54,7 +59,7 @@ pub(super) fn incident<S: Spectrum>(e: &Emitter, y: Vec3) -> Option<Incident<S>>
     Some(Incident {
         direction,
         end: Some(vec3(e.position)),
-        radiance: S::from_rgb(e.radiance) * (factor / square),
+        radiance: scene.emitted(e) * (factor / square),
         pdf: Real::from(e.density),
         dirac: true,
         trace_over_connect: 1.0,
@@ -65,7 +70,11 @@ pub(super) fn incident<S: Spectrum>(e: &Emitter, y: Vec3) -> Option<Incident<S>>
 
 /// Light that leaves: uniform over the sphere, or over the spot's cone.
 #[inline(always)]
-pub(super) fn emission<S: Spectrum>(e: &Emitter, xi: [Real; 2]) -> Option<Emission<S>> {
+pub(super) fn emission<S: Spectrum>(
+    scene: View<'_, '_, S>,
+    e: &Emitter,
+    xi: [Real; 2],
+) -> Option<Emission<S>> {
     let direction = if e.kind == kind::POINT {
         warp::sphere(xi)
     } else {
@@ -79,7 +88,7 @@ pub(super) fn emission<S: Spectrum>(e: &Emitter, xi: [Real; 2]) -> Option<Emissi
     };
     let trace = Real::from(e.density);
     let position = vec3(e.position);
-    let throughput = S::from_rgb(e.radiance) * (falloff(e, direction) / (trace * direction_pdf));
+    let throughput = scene.emitted(e) * (falloff(e, direction) / (trace * direction_pdf));
     (!throughput.is_black()).then_some(Emission {
         position,
         origin: position,

@@ -2,7 +2,7 @@
 //! medium only the scene's surfaces know: who asks for light finds out on the way to it.
 
 use super::{Emission, Incident};
-use crate::blob::Scene;
+use crate::blob::View;
 use crate::blob::format::{Emitter, NONE};
 use crate::medium;
 use crate::real::{INV_PI, PI, Real, Vec3, sqrt, vec3};
@@ -28,7 +28,7 @@ pub fn trace_density(e: &Emitter) -> Real {
 /// Light that arrives at `y`.
 #[inline(always)]
 pub(super) fn incident<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     e: &Emitter,
     y: Vec3,
     xi: [Real; 3],
@@ -56,7 +56,7 @@ pub(super) fn incident<S: Spectrum>(
 /// Light that leaves.
 #[inline(always)]
 pub(super) fn emission<S: Spectrum>(
-    scene: &Scene<'_>,
+    scene: View<'_, '_, S>,
     e: &Emitter,
     xi: [Real; 3],
     direction: [Real; 2],

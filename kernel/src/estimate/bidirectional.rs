@@ -8,8 +8,9 @@
 //!
 //! The light walk is stored; the sensor walk connects as it goes and keeps only what weights need.
 
+use super::Settings;
 use super::light::{Seen, emit, see_light, see_vertex, spread};
-use super::{ScratchView, Settings};
+use super::scratch::Workspace;
 use crate::blob::format::NONE;
 use crate::emitter;
 use crate::instance::Instance;
@@ -32,7 +33,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, K::S>,
+    scratch: &mut Workspace<'_, K::S>,
     splat: &mut impl FnMut([u32; 2], K::S),
 ) -> K::S {
     scratch.light.clear();
@@ -43,7 +44,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     if limit > 0 {
         let mis = super::mis(
             settings,
-            element.light_paths(trace.scene),
+            element.light_paths(&trace.scene),
             scratch.light.capacity(),
         );
         light_side(
@@ -63,7 +64,7 @@ fn light_side<T: Tracer, K: Instance, P: Sampler>(
     mis: &Mis,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, K::S>,
+    scratch: &mut Workspace<'_, K::S>,
     sum: &mut K::S,
     splat: &mut impl FnMut([u32; 2], K::S),
 ) {
@@ -84,7 +85,7 @@ fn light_side<T: Tracer, K: Instance, P: Sampler>(
         };
         let weight = mis.weight(&junction, terms, &Terms::default(), links, none);
         spread(
-            scene,
+            &scene,
             element,
             seen.projection.raster,
             seen.value * weight,
@@ -133,10 +134,10 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
     mis: &Mis,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, K::S>,
+    scratch: &mut Workspace<'_, K::S>,
     sum: &mut K::S,
 ) {
-    let start = element.start(trace.scene, sampler);
+    let start = element.start(&trace.scene, sampler);
     let medium = super::surroundings(trace, element);
     let mut walk = Walk::<K::S>::from_sensor(&start, medium, mis.light_paths);
     let mut from = start.ray.origin;
@@ -155,7 +156,7 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
         if walk.edges >= limit {
             return;
         }
-        if vertex.has_smooth::<K>(trace.scene) {
+        if vertex.has_smooth::<K>(&trace.scene) {
             let t = walk.edges as usize + 1;
             *sum += next_event(trace, mis, &vertex, t, sampler, scratch.sensor);
             for (i, x) in scratch.light.iter().enumerate() {
@@ -163,7 +164,7 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
                 if walk.edges as usize + i + 2 > limit as usize {
                     break;
                 }
-                if x.has_smooth::<K>(trace.scene) {
+                if x.has_smooth::<K>(&trace.scene) {
                     *sum += connect(
                         trace,
                         mis,
@@ -219,7 +220,7 @@ fn escaped<T: Tracer, K: Instance>(
         sensor_vertices: walk.edges as usize + 1,
         y_ratio: density / terms.forward,
         y_later: 1.0,
-        y_reverse: emitter::disc_density(trace.scene),
+        y_reverse: emitter::disc_density(&trace.scene),
         ..Junction::default()
     };
     let weight = mis.weight(&junction, &Terms::default(), terms, &[], sensor);
@@ -248,7 +249,7 @@ fn met_light<T: Tracer, K: Instance>(
     else {
         return K::S::BLACK;
     };
-    let radiance = emitter::radiance::<K::S>(e, &y.point, y.previous);
+    let radiance = emitter::radiance(scene, e, &y.point, y.previous);
     if radiance.is_black() {
         return K::S::BLACK;
     }
@@ -258,7 +259,7 @@ fn met_light<T: Tracer, K: Instance>(
     let connected = if walk.edges == 1 {
         traced
     } else {
-        emitter::connect_density(scene, e, &y.point, from, walk.ray.direction, distance) * cos
+        emitter::connect_density(&scene, e, &y.point, from, walk.ray.direction, distance) * cos
             / square(distance)
     };
     let junction = Junction {
@@ -319,7 +320,7 @@ fn next_event<T: Tracer, K: Instance, P: Sampler>(
     else {
         return K::S::BLACK;
     };
-    let Some(joint) = y.join::<K>(trace.scene, light.direction, Mode::Radiance) else {
+    let Some(joint) = y.join::<K>(&trace.scene, light.direction, Mode::Radiance) else {
         return K::S::BLACK;
     };
     let sight = trace.sees(y, light.direction, light.end, sampler);
@@ -334,7 +335,7 @@ fn next_event<T: Tracer, K: Instance, P: Sampler>(
             return K::S::BLACK;
         }
         let medium = trace.scene.medium(light.medium);
-        walked *= medium.map_or(0.0, |m| medium::density(m, trace.lead));
+        walked *= medium.map_or(0.0, |m| medium::density(trace.scene, m, trace.lead));
     }
     let x0 = Terms {
         forward: 1.0,
@@ -379,10 +380,10 @@ fn connect<T: Tracer, K: Instance, P: Sampler>(
         return K::S::BLACK;
     }
     let direction = to_x * (1.0 / sqrt(squared));
-    let Some(at_y) = y.join::<K>(trace.scene, direction, Mode::Radiance) else {
+    let Some(at_y) = y.join::<K>(&trace.scene, direction, Mode::Radiance) else {
         return K::S::BLACK;
     };
-    let Some(at_x) = x.join::<K>(trace.scene, -direction, Mode::Importance) else {
+    let Some(at_x) = x.join::<K>(&trace.scene, -direction, Mode::Importance) else {
         return K::S::BLACK;
     };
     let sight = trace.sees(y, direction, Some(x.point.leave(-direction)), sampler);

@@ -8,7 +8,8 @@
 //! The rays of a vertex are jittered (Cook 1984, §3): of n, each has a stratum of its own of the numbers that choose the lobe and the direction. The tree is
 //! walked depth first, with the vertices of one branch on a stack in the scratch, whose capacity bounds the depth as well.
 
-use super::{LEVELS, ScratchView, Settings};
+use super::scratch::Workspace;
+use super::{LEVELS, Settings};
 use crate::blob::format::{NONE, needs};
 use crate::emitter;
 use crate::instance::Instance;
@@ -27,7 +28,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, K::S>,
+    scratch: &mut Workspace<'_, K::S>,
 ) -> K::S {
     let mut radiance = K::S::BLACK;
     let levels = settings.tree.levels().min(scratch.light.capacity() as u32);
@@ -39,7 +40,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     if limit == 0 {
         return radiance;
     }
-    let start = element.start(trace.scene, sampler);
+    let start = element.start(&trace.scene, sampler);
     let mis = super::mis(settings, 0.0, 1);
     let medium = super::surroundings(trace, element);
     let root = Walk::<K::S>::from_sensor(&start, medium, 0.0);
@@ -74,7 +75,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
             let edges = depth as u32;
             sampler.at(Subpath::Sensor, edges);
             let mut jittered = fan.jitter(sampler);
-            let step = vertex.scatter::<K>(trace.scene, Mode::Radiance, &mut jittered);
+            let step = vertex.scatter::<K>(&trace.scene, Mode::Radiance, &mut jittered);
             let Some(step) = step else {
                 fan.left -= 1;
                 continue;
@@ -117,9 +118,9 @@ fn look<T: Tracer, K: Instance, P: Sampler>(
     }
     match arrival {
         Arrival::Vertex(vertex, _) => {
-            if seen && let Some(e) = emitter::on(trace.scene, vertex.point.shape) {
-                *radiance +=
-                    walk.throughput * emitter::radiance::<K::S>(e, &vertex.point, vertex.previous);
+            if seen && let Some(e) = emitter::on(&trace.scene, vertex.point.shape) {
+                *radiance += walk.throughput
+                    * emitter::radiance(trace.scene, e, &vertex.point, vertex.previous);
             }
             Some(vertex)
         }
@@ -143,7 +144,7 @@ fn light<T: Tracer, K: Instance, P: Sampler>(
     sampler: &mut P,
     radiance: &mut K::S,
 ) {
-    if !vertex.has_smooth::<K>(trace.scene) {
+    if !vertex.has_smooth::<K>(&trace.scene) {
         return;
     }
     let count = u32::from(settings.tree.lights.max(1));
@@ -158,7 +159,7 @@ fn light<T: Tracer, K: Instance, P: Sampler>(
         if let Some(light) = emitter::incident::<K::S>(trace.scene, y, choice, xi, more)
             // What glows is met on the way.
             && light.medium == NONE
-            && let Some(joint) = vertex.join::<K>(trace.scene, light.direction, Mode::Radiance)
+            && let Some(joint) = vertex.join::<K>(&trace.scene, light.direction, Mode::Radiance)
         {
             let sight = trace.sees(vertex, light.direction, light.end, sampler);
             if !sight.value.is_black() {
@@ -198,7 +199,7 @@ impl Fan {
         rays: u32,
         sampler: &mut impl Sampler,
     ) -> Self {
-        let rays = if vertex.has_smooth::<K>(trace.scene) {
+        let rays = if vertex.has_smooth::<K>(&trace.scene) {
             rays
         } else {
             rays.min(2)

@@ -20,7 +20,7 @@ use crate::surface::Mode;
 #[inline(always)]
 fn flown<T: Tracer, K: Instance>(trace: &Trace<'_, '_, T, K>, leg: &Leg<K::S>, t: Real) -> Real {
     trace.along(leg, t).map_or(0.0, |way| {
-        density(way.medium, trace.lead) * way.expected(trace.lead)
+        density(way.scene, way.medium, trace.lead) * way.expected(trace.lead)
     })
 }
 
@@ -55,7 +55,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
 ) -> K::S {
     let mut found = || {
         let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
-        let source = emitter::source(trace.scene, choice, xi)?;
+        let source = emitter::source(&trace.scene, choice, xi)?;
         let angles = Equiangular::new(&leg.ray, source.position());
         let t = angles.sample(sampler.one(Purpose::Flight))?;
         let y = leg.ray.origin + leg.ray.direction * t;
@@ -70,7 +70,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     let Some(way) = trace.along(leg, t) else {
         return K::S::BLACK;
     };
-    let (sigma, scattering) = way.matter::<K::S>(t);
+    let (sigma, scattering) = way.matter(t);
     let leading = sigma.channel(trace.lead);
     if scattering.is_black() || leading <= 0.0 || by_angle <= 0.0 {
         return K::S::BLACK;
@@ -83,7 +83,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         K::S::WHITE,
         leg.carried.ratio,
     );
-    let Some(joint) = vertex.join::<K>(trace.scene, light.direction, Mode::Radiance) else {
+    let Some(joint) = vertex.join::<K>(&trace.scene, light.direction, Mode::Radiance) else {
         return K::S::BLACK;
     };
     let sight = trace.sees(&vertex, light.direction, light.end, sampler);

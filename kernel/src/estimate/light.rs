@@ -32,7 +32,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     };
     if let Some(seen) = see_light(trace, element, &emission, sampler) {
         spread(
-            trace.scene,
+            &trace.scene,
             element,
             seen.projection.raster,
             seen.value,
@@ -48,7 +48,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         };
         if let Some(seen) = see_vertex(trace, element, &vertex, sampler) {
             spread(
-                trace.scene,
+                &trace.scene,
                 element,
                 seen.projection.raster,
                 seen.value,
@@ -115,7 +115,7 @@ pub(super) fn see_light<T: Tracer, K: Instance, P: Sampler>(
     let lens = sampler.two(Purpose::Lens);
     let (projection, cos, ray, medium) = if emission.distant {
         let towards = -emission.direction;
-        let (projection, lens) = element.project_distant(trace.scene, towards, lens)?;
+        let (projection, lens) = element.project_distant(&trace.scene, towards, lens)?;
         let ray = Ray {
             origin: lens,
             direction: towards,
@@ -124,7 +124,7 @@ pub(super) fn see_light<T: Tracer, K: Instance, P: Sampler>(
         };
         (projection, 1.0, ray, trace.scene.sensor().medium)
     } else {
-        let projection = element.project(trace.scene, emission.position, lens)?;
+        let projection = element.project(&trace.scene, emission.position, lens)?;
         let cos = emission.normal.map_or(1.0, |n| n.dot(projection.direction));
         let ray = Ray {
             origin: emission.origin,
@@ -165,14 +165,14 @@ pub(super) fn see_vertex<T: Tracer, K: Instance, P: Sampler>(
     vertex: &Vertex<K::S>,
     sampler: &mut P,
 ) -> Option<Seen<K::S>> {
-    if !vertex.has_smooth::<K>(trace.scene) {
+    if !vertex.has_smooth::<K>(&trace.scene) {
         return None;
     }
     let lens = sampler.two(Purpose::Lens);
-    let projection = element.project(trace.scene, vertex.point.position, lens)?;
+    let projection = element.project(&trace.scene, vertex.point.position, lens)?;
     let Joint {
         value, pdf_reverse, ..
-    } = vertex.join::<K>(trace.scene, projection.direction, Mode::Importance)?;
+    } = vertex.join::<K>(&trace.scene, projection.direction, Mode::Importance)?;
     let ray = Ray {
         origin: vertex.point.leave(projection.direction),
         direction: projection.direction,

@@ -17,26 +17,29 @@ mod plan;
 mod quadrature;
 #[cfg(feature = "quadrature")]
 mod rule;
+mod scratch;
 mod share;
 
 pub use plan::{LEVELS, Rule, Tree};
+use scratch::{Light, Workspace};
+pub use scratch::{Scratch, ScratchView};
 
-use crate::blob::Scene;
 use crate::blob::format::NONE;
 #[cfg(any(feature = "glossy", feature = "media"))]
 use crate::blob::format::needs;
+use crate::blob::{Scene, View};
+#[cfg(feature = "media")]
+use crate::instance::Complete;
 #[cfg(feature = "glossy")]
 use crate::instance::GlossySurfaces;
-#[cfg(feature = "media")]
-use crate::instance::Volumes;
 use crate::instance::{Instance, Surfaces};
-use crate::path::{Counters, Heuristic, History, HistoryView, Link, Mis, Trace, Vertex};
-use crate::random::{Pcg, Sampler};
-#[cfg(feature = "media")]
-use crate::random::{Purpose, Subpath};
+use crate::path::{Heuristic, Mis, Trace};
+use crate::random::{Pcg, Purpose, Sampler, Subpath};
 use crate::real::{Real, Vec3};
 use crate::sensor::Element;
 use crate::shape::Tracer;
+#[cfg(feature = "spectral")]
+use crate::spectrum::Hero;
 use crate::spectrum::{Rgb, Spectrum};
 
 /// How light is estimated (`transport.md` §7).
@@ -124,67 +127,6 @@ impl Settings {
     }
 }
 
-/// Memory that an estimate works in, owned by the caller: `N` bounds the light walk's vertices (strategies
-/// with more don't exist), not the length of paths. It bounds the depth of [`Estimator::Distributed`]'s trees, too, and how many Dirac
-/// lobes [`Estimator::Quadrature`] follows one after the other.
-#[derive(Clone)]
-pub struct Scratch<const N: usize = 32, S: Spectrum = Rgb> {
-    light: heapless::Vec<Vertex<S>, N>,
-    links: heapless::Vec<Link, N>,
-    sensor: History<N>,
-    /// What happened since the caller last set this to its default.
-    pub counters: Counters,
-}
-
-impl<const N: usize, S: Spectrum> Scratch<N, S> {
-    /// Empty.
-    pub const fn new() -> Self {
-        Self {
-            light: heapless::Vec::new(),
-            links: heapless::Vec::new(),
-            sensor: History::new(),
-            counters: Counters::ZERO,
-        }
-    }
-}
-
-/// A [`Scratch`] of any capacity: estimators are compiled once for all of them.
-#[allow(missing_debug_implementations)] // thousands of numbers
-#[cfg_attr(not(feature = "bidirectional"), allow(dead_code))]
-pub struct ScratchView<'s, S: Spectrum = Rgb> {
-    light: &'s mut heapless::VecView<Vertex<S>>,
-    links: &'s mut heapless::VecView<Link>,
-    sensor: &'s mut HistoryView,
-    counters: &'s mut Counters,
-}
-
-impl<const N: usize, S: Spectrum> Scratch<N, S> {
-    /// What estimators take.
-    #[inline(always)]
-    pub fn view(&mut self) -> ScratchView<'_, S> {
-        ScratchView {
-            light: &mut self.light,
-            links: &mut self.links,
-            sensor: &mut self.sensor,
-            counters: &mut self.counters,
-        }
-    }
-}
-
-impl<S: Spectrum> ScratchView<'_, S> {
-    /// [`Scratch::counters`].
-    #[inline(always)]
-    pub fn counters(&mut self) -> &mut Counters {
-        self.counters
-    }
-}
-
-impl<const N: usize, S: Spectrum> Default for Scratch<N, S> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Scene<'_> {
     /// One sample of `pixel` (column, row of the image): returns radiance, and reports what the sample
     /// adds to other pixels through `splat`. With n samples per pixel,
@@ -193,7 +135,8 @@ impl Scene<'_> {
     /// pixel = (sum of its returned values + sum of splats to it) / n
     /// ```
     ///
-    /// `index` counts the samples of a pixel. Values are finite and ≥ 0.
+    /// `index` counts the samples of a pixel. Values are finite, and ≥ 0 but for scenes with wavelengths ([`needs`](crate::blob::format::needs)`::SPECTRAL`): one
+    /// wavelength is beyond sRGB's gamut, so that channels of single samples are negative there.
     pub fn estimate<const N: usize>(
         &self,
         settings: &Settings,
@@ -207,7 +150,7 @@ impl Scene<'_> {
             settings,
             &Element::Pixel(pixel),
             sampler,
-            &mut scratch.view(),
+            &mut scratch.view(self),
             splat,
         )
     }
@@ -229,7 +172,7 @@ impl Scene<'_> {
             settings,
             &Element::ray(origin, direction),
             sampler,
-            &mut scratch.view(),
+            &mut scratch.view(self),
             &mut |_, _| (),
         )
     }
@@ -251,7 +194,7 @@ impl Scene<'_> {
             settings,
             &element,
             sampler,
-            &mut scratch.view(),
+            &mut scratch.view(self),
             &mut |_, _| (),
         )
     }
@@ -280,29 +223,51 @@ impl Scene<'_> {
 
 /// One sample of `element`, with geometry answered by `tracer` and numbers by `sampler`: the general form of
 /// [`Scene::estimate`], for engines that bring their own. Runs the instance of the estimator that has what the scene needs.
-pub fn estimate_with<S: Spectrum, T: Tracer, P: Sampler>(
+pub fn estimate_with<T: Tracer, P: Sampler>(
     scene: &Scene<'_>,
     tracer: &T,
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, S>,
+    scratch: &mut ScratchView<'_>,
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
-    #[cfg(feature = "media")]
-    if scene.has(needs::MEDIA) {
+    macro_rules! by {
+        ($instance:ty, $light:expr) => {{
+            let workspace = &mut Workspace {
+                light: $light,
+                links: scratch.links,
+                sensor: scratch.sensor,
+                counters: scratch.counters,
+            };
+            let (waves, lead) = channels::<$instance, P>(sampler);
+            let scene = View::new(scene, waves);
+            let trace = Trace::<T, $instance>::new(scene, tracer, lead);
+            estimate_by(trace, settings, element, sampler, workspace, splat)
+        }};
+    }
+    match &mut scratch.light {
+        #[cfg(feature = "spectral")]
+        Light::Spectral(light) => by!(Complete<Hero>, light),
+        #[cfg(feature = "media")]
+        Light::Rgb(light) if scene.has(needs::MEDIA | needs::DISPERSION) => {
+            by!(Complete<Rgb>, light)
+        }
+        #[cfg(feature = "glossy")]
+        Light::Rgb(light) if scene.has(needs::GLOSSY) => by!(GlossySurfaces<Rgb>, light),
+        Light::Rgb(light) => by!(Surfaces<Rgb>, light),
+    }
+}
+
+/// Draws what the channels of a path are, and which of them leads; where that matters.
+#[inline(always)]
+fn channels<K: Instance, P: Sampler>(sampler: &mut P) -> (<K::S as Spectrum>::Waves, usize) {
+    let mut xi = 0.0;
+    if K::MEDIA {
         sampler.at(Subpath::Sensor, 0);
-        let lead = (sampler.one(Purpose::Lead) * S::CHANNELS as Real) as usize;
-        let trace = Trace::<T, Volumes<S>>::new(scene, tracer, lead);
-        return estimate_by(trace, settings, element, sampler, scratch, splat);
+        xi = sampler.one(Purpose::Lead);
     }
-    #[cfg(feature = "glossy")]
-    if scene.has(needs::GLOSSY) {
-        let trace = Trace::<T, GlossySurfaces<S>>::new(scene, tracer, 0);
-        return estimate_by(trace, settings, element, sampler, scratch, splat);
-    }
-    let trace = Trace::<T, Surfaces<S>>::new(scene, tracer, 0);
-    estimate_by(trace, settings, element, sampler, scratch, splat)
+    K::S::draw(xi)
 }
 
 /// By one instance.
@@ -312,13 +277,14 @@ fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, K::S>,
+    scratch: &mut Workspace<'_, K::S>,
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
+    let waves = trace.scene.waves;
     let mut rejected = 0;
     let mut value: K::S = {
         #[cfg_attr(not(feature = "light"), allow(unused_variables))]
-        let splat = &mut |pixel, value: K::S| match accept(value) {
+        let splat = &mut |pixel, value: K::S| match accept(value, &waves) {
             Some(v) => splat(pixel, v),
             None => rejected += 1,
         };
@@ -360,7 +326,7 @@ fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
         let medium = surroundings(&mut trace, element);
         value += patch::direct(&mut trace, position, normal, medium, sampler);
     }
-    let value = accept(value);
+    let value = accept(value, &waves);
     trace.counters.rejected += rejected + u64::from(value.is_none());
     *scratch.counters += trace.counters;
     value.unwrap_or(Rgb::BLACK)
@@ -383,12 +349,10 @@ pub(crate) fn pixel_id([x, y]: [u32; 2]) -> u64 {
     u64::from(y) << 32 | u64::from(x)
 }
 
-/// No NaN, infinity or negative value leaves an estimator.
+/// No NaN, infinity or negative radiance leaves an estimator.
 #[inline(always)]
-fn accept<S: Spectrum>(value: S) -> Option<Rgb> {
-    let rgb = value.to_rgb();
-    let fine = |x: Real| (0.0..Real::INFINITY).contains(&x);
-    (fine(rgb.r) && fine(rgb.g) && fine(rgb.b)).then_some(rgb)
+fn accept<S: Spectrum>(value: S, waves: &S::Waves) -> Option<Rgb> {
+    value.is_radiance().then(|| value.to_rgb(waves))
 }
 
 /// The weights' settings for one element.

@@ -62,7 +62,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         return radiance;
     }
     let scene = trace.scene;
-    let start = element.start(scene, sampler);
+    let start = element.start(&scene, sampler);
     let mis = super::mis(settings, 0.0, 1);
     let medium = super::surroundings(trace, element);
     let mut walk = Walk::<K::S>::from_sensor(&start, medium, 0.0);
@@ -102,14 +102,14 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         let walked = walked::<K>(&walk);
         // s = 0.
         if wanted.met(false)
-            && let Some(e) = emitter::on(scene, vertex.point.shape)
+            && let Some(e) = emitter::on(&scene, vertex.point.shape)
         {
-            let emitted = emitter::radiance::<K::S>(e, &vertex.point, vertex.previous);
+            let emitted = emitter::radiance(scene, e, &vertex.point, vertex.previous);
             if !emitted.is_black() {
                 let weight = match from {
                     Some((y, leg)) => {
                         let density = emitter::connect_density(
-                            scene,
+                            &scene,
                             e,
                             &vertex.point,
                             y,
@@ -141,7 +141,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         let in_volume = K::MEDIA && vertex.scattering.is_some();
         let leg = walk.leg.filter(|_| in_volume && equiangular::wanted(trace));
         // s = 1.
-        if vertex.has_smooth::<K>(scene) {
+        if vertex.has_smooth::<K>(&scene) {
             let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
             let more = sampler.two(Purpose::Emission);
             if let Some(light) =
@@ -149,7 +149,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
                 // What glows is met on the way.
                 && (!K::MEDIA || light.medium == NONE)
                 && wanted.lit(&light, in_volume)
-                && let Some(joint) = vertex.join::<K>(scene, light.direction, Mode::Radiance)
+                && let Some(joint) = vertex.join::<K>(&scene, light.direction, Mode::Radiance)
             {
                 let sight = trace.sees(&vertex, light.direction, light.end, sampler);
                 if !sight.value.is_black() {

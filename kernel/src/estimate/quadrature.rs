@@ -14,7 +14,8 @@
 
 use super::path::{self, Wanted};
 use super::rule::{Nodes, shift};
-use super::{LEVELS, Rule, ScratchView, Settings};
+use super::scratch::Workspace;
+use super::{LEVELS, Rule, Settings};
 use crate::blob::Scene;
 use crate::blob::format::{Choice, NONE, emitter as kind, needs};
 use crate::emitter::{self, Incident};
@@ -45,6 +46,8 @@ struct Sum<'r, S> {
 struct Line<S> {
     ray: Ray,
     throughput: S,
+    /// p_k/p̄ by channel ([`crate::medium`]).
+    ratio: S,
     medium: u32,
 }
 
@@ -55,7 +58,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, K::S>,
+    scratch: &mut Workspace<'_, K::S>,
 ) -> K::S {
     let rule = &settings.rule;
     let limit = settings.limit();
@@ -72,10 +75,11 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     if let Element::Irradiance { position, normal } = *element {
         sum.patch(trace, position, normal, medium, sampler);
     } else {
-        let start = element.start(trace.scene, sampler);
+        let start = element.start(&trace.scene, sampler);
         let first = Line {
             ray: start.ray,
             throughput: K::S::grey(start.scale),
+            ratio: K::S::WHITE,
             medium,
         };
         let depth = depth(rule, scratch);
@@ -95,7 +99,7 @@ pub(super) fn and_path<T: Tracer, K: Instance, P: Sampler>(
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
-    scratch: &mut ScratchView<'_, K::S>,
+    scratch: &mut Workspace<'_, K::S>,
 ) -> K::S {
     let mut sum = estimate(trace, settings, element, sampler, scratch);
     let rest = &mut Rest::of(element, &settings.rule, scratch);
@@ -105,7 +109,7 @@ pub(super) fn and_path<T: Tracer, K: Instance, P: Sampler>(
 
 /// How many Dirac lobes one after the other are followed.
 #[inline(always)]
-fn depth<S: Spectrum>(rule: &Rule, scratch: &ScratchView<'_, S>) -> usize {
+fn depth<S: Spectrum>(rule: &Rule, scratch: &Workspace<'_, S>) -> usize {
     usize::from(rule.depth)
         .min(LEVELS)
         .min(scratch.light.capacity())
@@ -129,7 +133,7 @@ impl<S: Spectrum> Sum<'_, S> {
         limit: u32,
         depth: usize,
         sampler: &mut impl Sampler,
-        scratch: &mut ScratchView<'_, S>,
+        scratch: &mut Workspace<'_, S>,
     ) {
         let stack = &mut *scratch.light;
         stack.clear();
@@ -139,7 +143,7 @@ impl<S: Spectrum> Sum<'_, S> {
             if let Some(vertex) = self.look(trace, line, further, sampler)
                 && further
             {
-                if vertex.has_smooth::<K>(trace.scene) {
+                if vertex.has_smooth::<K>(&trace.scene) {
                     self.direct(trace, &vertex, sampler);
                 }
                 if stack.len() < depth
@@ -155,12 +159,13 @@ impl<S: Spectrum> Sum<'_, S> {
                 let (Some(vertex), Some(part)) = (stack.last(), parts.get_mut(level)) else {
                     return;
                 };
-                let Some(step) = vertex.dirac_lobe::<K>(trace.scene, *part) else {
+                let Some(step) = vertex.dirac_lobe::<K>(&trace.scene, *part) else {
                     stack.pop();
                     continue;
                 };
                 *part += 1;
-                let throughput = vertex.throughput * step.weight;
+                let mut ratio = vertex.ratio;
+                let throughput = vertex.throughput * step.taken::<K>(&mut ratio);
                 if throughput.is_black() {
                     continue;
                 }
@@ -172,6 +177,7 @@ impl<S: Spectrum> Sum<'_, S> {
                         t_max: Real::INFINITY,
                     },
                     throughput,
+                    ratio,
                     medium: vertex.medium_towards(step.direction),
                 };
             };
@@ -191,32 +197,27 @@ impl<S: Spectrum> Sum<'_, S> {
         let Line {
             ray,
             mut throughput,
+            ratio,
             mut medium,
         } = line;
         let mut numbers = Numbers(sampler.one(Purpose::Flight));
         let meeting = trace.straight(ray, &mut medium, sampler, |trace, way, medium| {
             let scattered = self.way(trace, way, medium, further, &mut numbers);
             self.radiance += throughput * scattered;
-            throughput *= way.exact::<S>();
+            throughput *= way.exact();
         });
         match meeting {
             Meeting::Surface(point, _) => {
                 let previous = -ray.direction;
                 let scene = trace.scene;
-                if let Some(e) = emitter::on(scene, point.shape) {
-                    self.radiance += throughput * emitter::radiance::<S>(e, &point, previous);
+                if let Some(e) = emitter::on(&scene, point.shape) {
+                    self.radiance += throughput * emitter::radiance(scene, e, &point, previous);
                 }
                 let mut vertex = Vertex::on_surface::<K>(
-                    scene,
-                    point,
-                    previous,
-                    medium,
-                    throughput,
-                    S::WHITE,
-                    sampler,
+                    scene, trace.lead, point, previous, medium, throughput, ratio, sampler,
                 );
                 if K::MEDIA {
-                    vertex.look_around(scene);
+                    vertex.look_around(&scene);
                 }
                 Some(vertex)
             }
@@ -243,7 +244,7 @@ impl<S: Spectrum> Sum<'_, S> {
             vertex.point.position,
             sampler,
             |trace, light, sampler| {
-                let joint = vertex.join::<K>(trace.scene, light.direction, Mode::Radiance)?;
+                let joint = vertex.join::<K>(&trace.scene, light.direction, Mode::Radiance)?;
                 let sight = trace.sees(vertex, light.direction, light.end, sampler);
                 Some(vertex.throughput * joint.value * sight.value)
             },
@@ -287,11 +288,11 @@ impl<S: Spectrum> Sum<'_, S> {
             };
             let across = match emitter.kind {
                 kind::POINT | kind::SPOT | kind::DIRECTIONAL => None,
-                kind::AREA => Some(rules(scene, choice, self.rule, sampler)),
+                kind::AREA => Some(rules(&scene, choice, self.rule, sampler)),
                 _ => continue,
             };
             // By every choice its own rule: nothing is left to chance, so its probability cancels.
-            let probability = emitter::probability(scene, choice);
+            let probability = emitter::probability(&scene, choice);
             let mut add = |xi: [Real; 2], weight: Real| {
                 if !self.count() {
                     return;
@@ -328,7 +329,7 @@ impl<S: Spectrum> Sum<'_, S> {
     fn way<T: Tracer, K: Instance<S = S>>(
         &mut self,
         trace: &mut Trace<'_, '_, T, K>,
-        way: &Way<'_, '_>,
+        way: &Way<'_, '_, S>,
         medium: u32,
         further: bool,
         sampler: &mut impl Sampler,
@@ -339,11 +340,11 @@ impl<S: Spectrum> Sum<'_, S> {
         let steps = self.rule.steps.max(1);
         let part = shift(self.rule, sampler);
         let mut found = S::BLACK;
-        if let Some(glow) = way.shine::<S>() {
+        if let Some(glow) = way.shine() {
             found += glow;
         } else if let Some(even) = Steps::even(start, end) {
             found += self.trapezoid(way, (start, end), &even, steps, part, |_, t| {
-                Some(way.emission::<S>(t))
+                Some(way.emission(t))
             });
         }
         if !further {
@@ -362,9 +363,9 @@ impl<S: Spectrum> Sum<'_, S> {
                 _ => None,
             };
             let Some(nodes) = nodes else { continue };
-            let probability = emitter::probability(scene, choice);
+            let probability = emitter::probability(&scene, choice);
             found += self.trapezoid(way, (start, end), &nodes, steps, part, |x, t| {
-                let (_, scattering) = way.matter::<S>(t);
+                let (_, scattering) = way.matter(t);
                 if scattering.is_black() {
                     return None;
                 }
@@ -377,7 +378,7 @@ impl<S: Spectrum> Sum<'_, S> {
                     S::WHITE,
                     S::WHITE,
                 );
-                let joint = vertex.join::<K>(scene, light.direction, Mode::Radiance)?;
+                let joint = vertex.join::<K>(&scene, light.direction, Mode::Radiance)?;
                 let sight = trace.sees(&vertex, light.direction, light.end, sampler);
                 Some(joint.value * light.radiance * sight.value * (probability / light.pdf))
             });
@@ -389,7 +390,7 @@ impl<S: Spectrum> Sum<'_, S> {
     #[inline(always)]
     fn trapezoid(
         &mut self,
-        way: &Way<'_, '_>,
+        way: &Way<'_, '_, S>,
         (start, end): (Real, Real),
         nodes: &Steps,
         steps: u16,
@@ -419,7 +420,7 @@ impl<S: Spectrum> Sum<'_, S> {
             }
             // `clamp` would ask for an order of its bounds.
             let t = t.min(end).max(start);
-            through *= way.between(before, t).exact::<S>();
+            through *= way.between(before, t).exact();
             before = t;
             if let Some(value) = f(way.ray.origin + way.ray.direction * t, t) {
                 sum += value * through * (weight * length * inverse);
@@ -551,7 +552,7 @@ enum Stage {
 
 impl Rest {
     /// For walks from `element`.
-    pub fn of<S: Spectrum>(element: &Element, rule: &Rule, scratch: &ScratchView<'_, S>) -> Self {
+    pub fn of<S: Spectrum>(element: &Element, rule: &Rule, scratch: &Workspace<'_, S>) -> Self {
         Self {
             depth: depth(rule, scratch),
             stage: match element {

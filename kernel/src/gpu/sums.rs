@@ -5,11 +5,11 @@ use crate::spectrum::Rgb;
 use core::sync::atomic::{AtomicU64, Ordering};
 
 /// Adds to a sum of 128 bits, low word first: each carry out of the low word is seen by exactly one thread.
-fn add(sum: &[AtomicU64], value: u128) {
+fn add(sum: &[AtomicU64], value: i128) {
     let [low, high] = sum else { return };
     let before = low.fetch_add(value as u64, Ordering::Relaxed);
     let carry = u64::from(before.checked_add(value as u64).is_none());
-    let above = (value >> 64) as u64 + carry;
+    let above = ((value >> 64) as u64).wrapping_add(carry);
     if above != 0 {
         high.fetch_add(above, Ordering::Relaxed);
     }
@@ -51,7 +51,13 @@ mod tests {
     #[test]
     fn threads_add_what_one_would() {
         let step = Step::new(0);
-        let value = |i: u32| Rgb::new(0.75 + i as crate::real::Real, 1e-9, 3.0e5);
+        let value = |i: u32| {
+            Rgb::new(
+                0.75 + i as crate::real::Real,
+                1e-9,
+                3.0e5 - 61.0 * i as crate::real::Real,
+            )
+        };
         let film: [AtomicU64; 12] = core::array::from_fn(|_| AtomicU64::new(0));
         std::thread::scope(|scope| {
             for thread in 0..4 {

@@ -1,7 +1,7 @@
 //! The medium given by grids: its values at a point, and the part of a way that is within their cube.
 
 use super::lattice::{Cell, Line};
-use crate::blob::Scene;
+use crate::blob::View;
 use crate::blob::format::{Grid, Medium};
 use crate::real::{Real, Vec3, vec3};
 use crate::shape::Ray;
@@ -13,7 +13,8 @@ pub(super) const THINNEST: Real = 1e-12;
 
 /// A way through grids.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Passage<'a> {
+pub(super) struct Passage<'a, S: Spectrum> {
+    waves: S::Waves,
     texels: &'a [u32],
     medium: &'a Medium,
     pub extinction: &'a Grid,
@@ -22,10 +23,10 @@ pub(super) struct Passage<'a> {
     pub line: Line,
 }
 
-impl<'a> Passage<'a> {
+impl<'a, S: Spectrum> Passage<'a, S> {
     /// What of `ray` is within the cube, if anything.
     #[inline]
-    pub fn new(scene: &Scene<'a>, m: &'a Medium, ray: &Ray) -> Option<Self> {
+    pub fn new(scene: View<'_, 'a, S>, m: &'a Medium, ray: &Ray) -> Option<Self> {
         let rows = Rows::new(m);
         let origin = rows.point(ray.origin);
         let line = Line::clip(origin, rows.direction(ray.direction), ray.t_max)?;
@@ -33,8 +34,9 @@ impl<'a> Passage<'a> {
     }
 
     #[inline(always)]
-    fn within(scene: &Scene<'a>, m: &'a Medium, line: Line) -> Option<Self> {
+    fn within(scene: View<'_, 'a, S>, m: &'a Medium, line: Line) -> Option<Self> {
         Some(Self {
+            waves: scene.waves,
             texels: scene.texels(),
             medium: m,
             extinction: scene.grid(m.extinctions)?,
@@ -52,30 +54,31 @@ impl<'a> Passage<'a> {
 
     /// σ_t at t.
     #[inline]
-    pub fn sigma<S: Spectrum>(&self, t: Real) -> S {
+    pub fn sigma(&self, t: Real) -> S {
         let unit: S = self.look(self.extinction, t);
-        (unit * S::from_rgb(self.medium.sigma_t)).map(|x| if x < THINNEST { 0.0 } else { x })
+        (unit * S::lift(self.medium.sigma_t, &self.waves))
+            .map(|x| if x < THINNEST { 0.0 } else { x })
     }
 
     /// σ_s at t, where σ_t is `sigma`.
     #[inline]
-    pub fn scattering<S: Spectrum>(&self, t: Real, sigma: S) -> S {
-        let albedo = sigma * S::from_rgb(self.medium.albedo);
+    pub fn scattering(&self, t: Real, sigma: S) -> S {
+        let albedo = sigma * S::lift(self.medium.albedo, &self.waves);
         match self.albedo {
-            Some(grid) => albedo * self.look::<S>(grid, t),
+            Some(grid) => albedo * self.look(grid, t),
             None => albedo,
         }
     }
 
     /// E at t, where σ_t is `sigma`: none in a vacuum.
     #[inline]
-    pub fn emission<S: Spectrum>(&self, t: Real, sigma: S) -> S {
+    pub fn emission(&self, t: Real, sigma: S) -> S {
         if !self.glows() {
             return S::BLACK;
         }
-        let constant = S::from_rgb(self.medium.emission);
+        let constant = S::light(self.medium.emission, &self.waves);
         let e = match self.emission {
-            Some(grid) => constant * self.look::<S>(grid, t),
+            Some(grid) => constant * self.look(grid, t),
             None => constant,
         };
         e.zip(sigma, |e, sigma| if sigma > 0.0 { e } else { 0.0 })
@@ -88,8 +91,8 @@ impl<'a> Passage<'a> {
     }
 
     #[inline(always)]
-    fn look<S: Spectrum>(&self, grid: &Grid, t: Real) -> S {
-        look(self.texels, grid, self.line.at(t))
+    fn look(&self, grid: &Grid, t: Real) -> S {
+        look(self.texels, grid, self.line.at(t), &self.waves)
     }
 
     /// Boxes of the majorants by axis.
@@ -107,7 +110,7 @@ impl<'a> Passage<'a> {
 }
 
 /// E at a point in the world.
-pub(super) fn emission_at<S: Spectrum>(scene: &Scene<'_>, m: &Medium, x: Vec3) -> S {
+pub(super) fn emission_at<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, x: Vec3) -> S {
     let u = Rows::new(m).point(x);
     if u.min_element() < 0.0 || u.max_element() > 1.0 {
         return S::BLACK;
@@ -119,7 +122,7 @@ pub(super) fn emission_at<S: Spectrum>(scene: &Scene<'_>, m: &Medium, x: Vec3) -
         end: 0.0,
     };
     match Passage::within(scene, m, line) {
-        Some(p) => p.emission(0.0, p.sigma::<S>(0.0)),
+        Some(p) => p.emission(0.0, p.sigma(0.0)),
         None => S::BLACK,
     }
 }
@@ -150,7 +153,7 @@ impl Rows {
 
 /// The value of a grid at a point of the unit cube; one that rounding has put outside counts as on its border.
 #[inline]
-fn look<S: Spectrum>(texels: &[u32], g: &Grid, u: Vec3) -> S {
+fn look<S: Spectrum>(texels: &[u32], g: &Grid, u: Vec3, waves: &S::Waves) -> S {
     let [x, y, z] = u.to_array();
     let [nx, ny, nz] = g.size;
     let axes = [
@@ -163,7 +166,7 @@ fn look<S: Spectrum>(texels: &[u32], g: &Grid, u: Vec3) -> S {
     let rgb = |i: usize| {
         let first = (g.texels as usize).wrapping_add(i.wrapping_mul(3));
         match texels.get(first..).and_then(|t| t.first_chunk()) {
-            Some(rgb) => S::from_rgb(rgb.map(f32::from_bits)),
+            Some(rgb) => S::lift(rgb.map(f32::from_bits), waves),
             None => S::BLACK,
         }
     };

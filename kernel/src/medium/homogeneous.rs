@@ -1,6 +1,7 @@
 //! The medium that is the same everywhere: all in closed form.
 
 use super::{Carried, Collision, Flight, depth, exponential};
+use crate::blob::View;
 use crate::blob::format::Medium;
 use crate::random::Sampler;
 use crate::real::{Real, exp, expm1};
@@ -9,6 +10,7 @@ use crate::spectrum::Spectrum;
 /// Free flight over `length`, which may be infinite: [`super::Way::fly`].
 #[inline(always)]
 pub(super) fn fly<S: Spectrum>(
+    scene: View<'_, '_, S>,
     m: &Medium,
     length: Real,
     lead: usize,
@@ -16,10 +18,10 @@ pub(super) fn fly<S: Spectrum>(
     glow: &mut S,
     sampler: &mut impl Sampler,
 ) -> Flight<S> {
-    let sigma = S::from_rgb(m.sigma_t);
-    let emission = S::from_rgb(m.emission);
+    let sigma = scene.lift(m.sigma_t);
+    let emission = scene.light(m.emission);
     if !emission.is_black() {
-        *glow += carried.throughput * shine::<S>(m, length);
+        *glow += carried.throughput * shine(scene, m, length);
     }
     let leading = sigma.channel(lead);
     // In a vacuum nobody collides.
@@ -35,7 +37,7 @@ pub(super) fn fly<S: Spectrum>(
         carried.draw(f, sigma * f);
         return Flight::Collided(Collision {
             t: s,
-            scattering: sigma * S::from_rgb(m.albedo),
+            scattering: sigma * scene.lift(m.albedo),
             emission,
         });
     }
@@ -46,15 +48,19 @@ pub(super) fn fly<S: Spectrum>(
 
 /// ∫E·τ over `length`, which may be infinite.
 #[inline(always)]
-pub(super) fn shine<S: Spectrum>(m: &Medium, length: Real) -> S {
-    let sigma = S::from_rgb(m.sigma_t);
-    S::from_rgb(m.emission).zip(sigma, |e, sigma| e * saturation(sigma, length))
+pub(super) fn shine<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, length: Real) -> S {
+    let sigma = scene.lift(m.sigma_t);
+    scene
+        .light(m.emission)
+        .zip(sigma, |e, sigma| e * saturation(sigma, length))
 }
 
 /// τ over `length`, which may be infinite.
 #[inline(always)]
-pub(super) fn transmittance<S: Spectrum>(m: &Medium, length: Real) -> S {
-    S::from_rgb(m.sigma_t).map(|sigma| exp(-depth(sigma, length)))
+pub(super) fn transmittance<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, length: Real) -> S {
+    scene
+        .lift(m.sigma_t)
+        .map(|sigma| exp(-depth(sigma, length)))
 }
 
 /// ∫₀ᴸ e^(−σs) ds = (1 − e^(−σL))/σ, regular at σ → 0. Where σ = 0 and L = ∞ nothing emits.

@@ -21,7 +21,7 @@ mod tracking;
 
 pub use phase::Phase;
 
-use crate::blob::Scene;
+use crate::blob::View;
 use crate::blob::format::{Medium, medium};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Real, UNIT_STEP, Vec3, exp, log1p};
@@ -80,20 +80,20 @@ pub enum Flight<S> {
 
 /// The way through one medium: from the ray's origin over its `t_max`, which may be infinite.
 #[derive(Clone, Copy, Debug)]
-pub struct Way<'s, 'a> {
+pub struct Way<'s, 'a, S: Spectrum> {
     /// The scene, whose texels grids are made of.
-    pub scene: &'s Scene<'a>,
+    pub scene: View<'s, 'a, S>,
     /// The medium.
     pub medium: &'a Medium,
     /// The way.
     pub ray: Ray,
 }
 
-impl<'a> Way<'_, 'a> {
+impl<'a, S: Spectrum> Way<'_, 'a, S> {
     /// Free flight: draws where the walk collides, if it does, with channel `lead` leading. What the way emits towards where the
     /// walk came from is added to `glow`, as an unbiased estimate of ∫throughput·E·τ over the way (all of it,
     /// wherever the flight ends). `steps` counts tentative collisions down; [`Flight::Cut`] when none are left.
-    pub fn fly<S: Spectrum>(
+    pub fn fly(
         &self,
         lead: usize,
         carried: &mut Carried<S>,
@@ -102,7 +102,15 @@ impl<'a> Way<'_, 'a> {
         sampler: &mut impl Sampler,
     ) -> Flight<S> {
         if self.medium.kind == medium::HOMOGENEOUS {
-            return homogeneous::fly(self.medium, self.length(), lead, carried, glow, sampler);
+            return homogeneous::fly(
+                self.scene,
+                self.medium,
+                self.length(),
+                lead,
+                carried,
+                glow,
+                sampler,
+            );
         }
         match self.passage() {
             Some(p) if self.is(medium::REGULAR) => p.fly_regularly(lead, carried, glow, sampler),
@@ -113,9 +121,9 @@ impl<'a> Way<'_, 'a> {
 
     /// τ over the way: exact, or an unbiased estimate by ratio tracking from the same tentative collisions for all
     /// channels; 0 when no steps are left.
-    pub fn transmittance<S: Spectrum>(&self, steps: &mut u32, sampler: &mut impl Sampler) -> S {
+    pub fn transmittance(&self, steps: &mut u32, sampler: &mut impl Sampler) -> S {
         if self.medium.kind == medium::HOMOGENEOUS {
-            return homogeneous::transmittance(self.medium, self.length());
+            return homogeneous::transmittance(self.scene, self.medium, self.length());
         }
         match self.passage() {
             Some(p) if self.is(medium::REGULAR) => p.exact_transmittance(),
@@ -126,9 +134,9 @@ impl<'a> Way<'_, 'a> {
     }
 
     /// τ over the way, without random numbers: in closed form, or by regular tracking.
-    pub fn exact<S: Spectrum>(&self) -> S {
+    pub fn exact(&self) -> S {
         if self.medium.kind == medium::HOMOGENEOUS {
-            return homogeneous::transmittance(self.medium, self.length());
+            return homogeneous::transmittance(self.scene, self.medium, self.length());
         }
         self.passage().map_or(S::WHITE, |p| p.exact_transmittance())
     }
@@ -143,20 +151,20 @@ impl<'a> Way<'_, 'a> {
     }
 
     /// E at `t`.
-    pub fn emission<S: Spectrum>(&self, t: Real) -> S {
+    pub fn emission(&self, t: Real) -> S {
         if self.medium.kind == medium::HOMOGENEOUS {
-            return S::from_rgb(self.medium.emission);
+            return self.scene.light(self.medium.emission);
         }
         match self.passage() {
-            Some(p) => p.emission(t, p.sigma::<S>(t)),
+            Some(p) => p.emission(t, p.sigma(t)),
             None => S::BLACK,
         }
     }
 
     /// ∫E·τ over the way in closed form; `None` where there is none.
-    pub fn shine<S: Spectrum>(&self) -> Option<S> {
+    pub fn shine(&self) -> Option<S> {
         if self.medium.kind == medium::HOMOGENEOUS {
-            return Some(homogeneous::shine(self.medium, self.length()));
+            return Some(homogeneous::shine(self.scene, self.medium, self.length()));
         }
         self.medium
             .emission
@@ -177,14 +185,14 @@ impl<'a> Way<'_, 'a> {
     }
 
     /// σ_t and σ_s at `t`.
-    pub fn matter<S: Spectrum>(&self, t: Real) -> (S, S) {
+    pub fn matter(&self, t: Real) -> (S, S) {
         if self.medium.kind == medium::HOMOGENEOUS {
-            let sigma = S::from_rgb(self.medium.sigma_t);
-            return (sigma, sigma * S::from_rgb(self.medium.albedo));
+            let sigma = self.scene.lift(self.medium.sigma_t);
+            return (sigma, sigma * self.scene.lift(self.medium.albedo));
         }
         match self.passage() {
             Some(p) if p.line.start <= t && t <= p.line.end => {
-                let sigma = p.sigma::<S>(t);
+                let sigma = p.sigma(t);
                 (sigma, p.scattering(t, sigma))
             }
             _ => (S::BLACK, S::BLACK),
@@ -200,7 +208,7 @@ impl<'a> Way<'_, 'a> {
         } else {
             self.passage().map_or(0.0, |p| p.length())
         };
-        exp(-depth(density(self.medium, lead), length))
+        exp(-depth(density(self.scene, self.medium, lead), length))
     }
 
     /// Without the feature no blob that opens has a medium; here the compiler learns of it.
@@ -220,7 +228,7 @@ impl<'a> Way<'_, 'a> {
 
     /// The part of the way that is within the grids' cube.
     #[inline(always)]
-    fn passage(&self) -> Option<Passage<'a>> {
+    fn passage(&self) -> Option<Passage<'a, S>> {
         if cfg!(feature = "media") {
             Passage::new(self.scene, self.medium, &self.ray)
         } else {
@@ -231,15 +239,15 @@ impl<'a> Way<'_, 'a> {
 
 /// What MIS takes for σ_t of channel `lead`, wherever in the medium.
 #[inline(always)]
-pub fn density(m: &Medium, lead: usize) -> Real {
-    Real::from(m.mean.get(lead).copied().unwrap_or(0.0))
+pub fn density<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, lead: usize) -> Real {
+    scene.lift(m.mean).channel(lead)
 }
 
 /// E at the point `x` of the medium.
 #[inline]
-pub fn emission<S: Spectrum>(scene: &Scene<'_>, m: &Medium, x: Vec3) -> S {
+pub fn emission<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, x: Vec3) -> S {
     if m.kind == medium::HOMOGENEOUS || !cfg!(feature = "media") {
-        return S::from_rgb(m.emission);
+        return scene.light(m.emission);
     }
     grid::emission_at(scene, m, x)
 }

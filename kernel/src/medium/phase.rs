@@ -79,6 +79,7 @@ impl<S: Spectrum> Phase<'_, S> {
             dirac,
             transmitted: false,
             eta_scale: 1.0,
+            chances: S::WHITE,
         }
     }
 }

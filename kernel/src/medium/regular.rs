@@ -13,9 +13,9 @@ const STEPS: u32 = 48;
 /// Optical depth from which on nothing is left in either precision.
 const BLACK: Real = 800.0;
 
-impl Passage<'_> {
+impl<S: Spectrum> Passage<'_, S> {
     /// Free flight by inverting the optical depth: [`super::Way::fly`].
-    pub fn fly_regularly<S: Spectrum>(
+    pub fn fly_regularly(
         &self,
         lead: usize,
         carried: &mut Carried<S>,
@@ -52,7 +52,7 @@ impl Passage<'_> {
     }
 
     /// τ.
-    pub fn exact_transmittance<S: Spectrum>(&self) -> S {
+    pub fn exact_transmittance(&self) -> S {
         let mut depth = S::BLACK;
         for cell in self.cells() {
             depth += self.depth(cell.start, cell.end);
@@ -73,18 +73,18 @@ impl Passage<'_> {
 
     /// ∫σ_t from `a` to `b`, both in one cell.
     #[inline]
-    fn depth<S: Spectrum>(&self, a: Real, b: Real) -> S {
+    fn depth(&self, a: Real, b: Real) -> S {
         /// Half the distance between the two nodes: √(1/12).
         #[allow(clippy::excessive_precision)] // not excessive in the double-precision package
         const NODE: Real = 0.288_675_134_594_812_9;
         let (middle, width) = (0.5 * (a + b), b - a);
-        let sum = self.sigma::<S>(middle - NODE * width) + self.sigma(middle + NODE * width);
+        let sum = self.sigma(middle - NODE * width) + self.sigma(middle + NODE * width);
         sum * (0.5 * width)
     }
 
     /// The collision in `cell`, where the leading channel's optical depth from the way's start is `target`; up to the cell
     /// it was `depth`, within it is `beyond`.
-    fn collide<S: Spectrum>(
+    fn collide(
         &self,
         cell: &Cell,
         lead: usize,
@@ -97,13 +97,13 @@ impl Passage<'_> {
         let (mut low, mut high) = (cell.start, cell.end);
         let mut t = low + (high - low) * (rest / beyond.channel(lead)).min(1.0);
         for _ in 0..STEPS {
-            let off = self.depth::<S>(cell.start, t).channel(lead) - rest;
+            let off = self.depth(cell.start, t).channel(lead) - rest;
             if off > 0.0 {
                 high = t;
             } else {
                 low = t;
             }
-            let newton = t - off / self.sigma::<S>(t).channel(lead);
+            let newton = t - off / self.sigma(t).channel(lead);
             // Also where the slope is 0.
             let next = if newton > low && newton < high {
                 newton
@@ -131,13 +131,7 @@ impl Passage<'_> {
     /// ∫E·τ over `cell`, an unbiased estimate from one point; τ from the way's start. Drawn with the density of the slowest
     /// decay, so that no channel's weight is large.
     #[inline]
-    fn shine<S: Spectrum>(
-        &self,
-        cell: &Cell,
-        depth: S,
-        beyond: S,
-        sampler: &mut impl Sampler,
-    ) -> S {
+    fn shine(&self, cell: &Cell, depth: S, beyond: S, sampler: &mut impl Sampler) -> S {
         let least = -beyond.map(|d| -d).max_channel();
         let xi = fine(sampler);
         let (x, inverse) = if least > 1e-3 {
@@ -150,7 +144,7 @@ impl Passage<'_> {
         let width = cell.end - cell.start;
         let t = cell.start + width * x;
         let fade = (depth + self.depth(cell.start, t)).map(|d| exp(-d));
-        self.emission(t, self.sigma::<S>(t)) * fade * (inverse * width)
+        self.emission(t, self.sigma(t)) * fade * (inverse * width)
     }
 }
 

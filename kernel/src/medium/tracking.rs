@@ -24,7 +24,7 @@ struct Tentative {
 }
 
 impl Tentative {
-    fn new(p: &Passage<'_>, sampler: &mut impl Sampler) -> Self {
+    fn new<S: Spectrum>(p: &Passage<'_, S>, sampler: &mut impl Sampler) -> Self {
         let start = p.line.start;
         Self {
             boxes: p.line.boxes(p.boxes()),
@@ -69,10 +69,10 @@ fn spend(steps: &mut u32) -> bool {
     }
 }
 
-impl Passage<'_> {
+impl<S: Spectrum> Passage<'_, S> {
     /// Woodcock's tracking: [`super::Way::fly`]. That a majorant is the same for all channels cancels in all densities but
     /// that of the last one's distance.
-    pub fn fly<S: Spectrum>(
+    pub fn fly(
         &self,
         lead: usize,
         carried: &mut Carried<S>,
@@ -106,7 +106,7 @@ impl Passage<'_> {
     }
 
     /// Ratio tracking.
-    pub fn transmittance<S: Spectrum>(&self, steps: &mut u32, sampler: &mut impl Sampler) -> S {
+    pub fn transmittance(&self, steps: &mut u32, sampler: &mut impl Sampler) -> S {
         let mut tau = S::WHITE;
         let mut tentative = Tentative::new(self, sampler);
         while let Some((t, majorant)) = tentative.next(|cell| self.majorant(cell), sampler) {
@@ -114,7 +114,7 @@ impl Passage<'_> {
                 return S::BLACK;
             }
             let inverse = 1.0 / majorant;
-            tau *= self.sigma::<S>(t).map(|x| 1.0 - (x * inverse).min(1.0));
+            tau *= self.sigma(t).map(|x| 1.0 - (x * inverse).min(1.0));
             if tau.is_black() {
                 break;
             }
@@ -125,11 +125,7 @@ impl Passage<'_> {
     /// Residual ratio tracking, for an extinction of one channel. The control μ is the extinction midway through each box: what
     /// differs from it is at most max(μ, μ̄ − μ), the rate of its process, so that no weight is negative. Where the box is
     /// empty there it is ratio tracking, where it is full everywhere all weights are 1.
-    pub fn residual_transmittance<S: Spectrum>(
-        &self,
-        steps: &mut u32,
-        sampler: &mut impl Sampler,
-    ) -> S {
+    pub fn residual_transmittance(&self, steps: &mut u32, sampler: &mut impl Sampler) -> S {
         let mut tau = S::WHITE;
         // From where on the control's own optical depth isn't in τ yet, and what of it is from boxes before.
         let (mut control, mut from, mut before) = (0.0, self.line.start, 0.0);
@@ -157,7 +153,7 @@ impl Passage<'_> {
             let controlled = exp(-before - control * (t - from));
             (from, before) = (t, 0.0);
             let residual = |x: Real| controlled * (1.0 - (x - control) / rate).max(0.0);
-            tau *= self.sigma::<S>(t).map(residual);
+            tau *= self.sigma(t).map(residual);
             // Numbers that aren't random may let it grow.
             tau = tau.map(|x| x.min(LARGEST));
             if tau.is_black() {

@@ -43,7 +43,7 @@ pub struct Passage<S> {
 impl<S: Spectrum> Passage<S> {
     /// Begins a way.
     #[inline(always)]
-    fn enter(&mut self, way: &Way<'_, '_>, sampler: &mut impl Sampler) {
+    fn enter(&mut self, way: &Way<'_, '_, S>, sampler: &mut impl Sampler) {
         let leg = Leg {
             medium: self.medium,
             ray: way.ray,
@@ -74,7 +74,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
         loop {
             self.counters.closest_rays += 1;
             let hit = self.tracer.closest(&ray);
-            let found = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)));
+            let found = hit.and_then(|h| Some((Point::at(&self.scene, &ray, &h)?, h.t)));
             let end = found.map_or(ray.t_max, |(_, t)| t);
             if let Some(way) = self.way(&ray, end, passage.medium) {
                 if self.scene.has(needs::SMALL_LIGHTS) {
@@ -131,13 +131,13 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
         mut ray: Ray,
         medium: &mut u32,
         sampler: &mut impl Sampler,
-        mut on_way: impl FnMut(&mut Self, &Way<'t, 'a>, u32),
+        mut on_way: impl FnMut(&mut Self, &Way<'t, 'a, K::S>, u32),
     ) -> Meeting<K::S> {
         let mut distance = 0.0;
         loop {
             self.counters.closest_rays += 1;
             let hit = self.tracer.closest(&ray);
-            let found = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)));
+            let found = hit.and_then(|h| Some((Point::at(&self.scene, &ray, &h)?, h.t)));
             let end = found.map_or(ray.t_max, |(_, t)| t);
             if K::MEDIA
                 && let Some(way) = self.way(&ray, end, *medium)
@@ -164,7 +164,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
 
     /// A way through a medium that begins like `leg` and goes on for `length`.
     #[inline(always)]
-    pub fn along(&self, leg: &Leg<K::S>, length: Real) -> Option<Way<'t, 'a>> {
+    pub fn along(&self, leg: &Leg<K::S>, length: Real) -> Option<Way<'t, 'a, K::S>> {
         let ray = Ray {
             t_max: length,
             ..leg.ray
@@ -178,13 +178,13 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
 
     /// τ over `way`.
     #[inline(always)]
-    pub fn transmittance(&mut self, way: &Way<'_, '_>, sampler: &mut impl Sampler) -> K::S {
+    pub fn transmittance(&mut self, way: &Way<'_, '_, K::S>, sampler: &mut impl Sampler) -> K::S {
         way.transmittance(&mut self.remaining, sampler)
     }
 
     /// The way through `medium` from where `ray` begins to `end`; `None` through a vacuum.
     #[inline(always)]
-    fn way(&self, ray: &Ray, end: Real, medium: u32) -> Option<Way<'t, 'a>> {
+    fn way(&self, ray: &Ray, end: Real, medium: u32) -> Option<Way<'t, 'a, K::S>> {
         let medium = self.scene.medium(medium)?;
         let ray = Ray {
             origin: ray.origin + ray.direction * ray.t_min,
@@ -202,7 +202,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
     /// The medium that a ray is in after it has passed the surface at `point` out of `medium`.
     #[inline(always)]
     fn behind(&self, point: &Point, direction: Vec3, medium: u32) -> u32 {
-        side(&sides(self.scene, point, medium), point, direction)
+        side(&sides(&self.scene, point, medium), point, direction)
     }
 
     /// The medium around `position`, which lies on no surface: what the first surface that parts media says, looking along
@@ -218,11 +218,11 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
         loop {
             self.counters.closest_rays += 1;
             let hit = self.tracer.closest(&ray);
-            let Some((point, t)) = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)))
+            let Some((point, t)) = hit.and_then(|h| Some((Point::at(&self.scene, &ray, &h)?, h.t)))
             else {
                 return self.scene.world().exterior;
             };
-            let media = sides(self.scene, &point, PARTS_NOTHING);
+            let media = sides(&self.scene, &point, PARTS_NOTHING);
             if media != [PARTS_NOTHING; 2] {
                 return side(&media, &point, -direction);
             }
@@ -252,7 +252,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
                 t_max: ray.t_max - rounding,
                 ..ray
             });
-            let found = hit.and_then(|h| Some((Point::at(self.scene, &ray, &h)?, h.t)));
+            let found = hit.and_then(|h| Some((Point::at(&self.scene, &ray, &h)?, h.t)));
             let opacity = found.map_or(0.0, |(point, _)| self.opacity(&point, ray.direction));
             if opacity >= 1.0 {
                 return Sight::free(0.0);
@@ -262,7 +262,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
                 sight.value *= if self.exact {
                     way.exact()
                 } else {
-                    way.transmittance::<K::S>(&mut self.remaining, sampler)
+                    way.transmittance(&mut self.remaining, sampler)
                 };
                 sight.expected *= way.expected(self.lead);
             }

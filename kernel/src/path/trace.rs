@@ -5,7 +5,7 @@
 
 use super::passage::Passage;
 use super::vertex::Vertex;
-use crate::blob::Scene;
+use crate::blob::View;
 use crate::blob::format::{NONE, Shape, material};
 use crate::instance::Instance;
 use crate::medium::Collision;
@@ -105,9 +105,9 @@ impl<S: Spectrum> Sight<S> {
 }
 
 /// A scene, the tracer that answers for it, and the counters.
-pub struct Trace<'t, 'a, T, K> {
-    /// The scene.
-    pub scene: &'t Scene<'a>,
+pub struct Trace<'t, 'a, T, K: Instance> {
+    /// The scene, at the path's wavelengths.
+    pub scene: View<'t, 'a, K::S>,
     /// Who answers for its geometry.
     pub tracer: &'t T,
     /// What happened.
@@ -124,7 +124,7 @@ pub struct Trace<'t, 'a, T, K> {
 impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
     /// With counters at zero.
     #[inline(always)]
-    pub fn new(scene: &'t Scene<'a>, tracer: &'t T, lead: usize) -> Self {
+    pub fn new(scene: View<'t, 'a, K::S>, tracer: &'t T, lead: usize) -> Self {
         Self {
             scene,
             tracer,
@@ -162,7 +162,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
         let Some(hit) = self.tracer.closest(&ray) else {
             return Meeting::Escaped;
         };
-        let Some(point) = Point::at(self.scene, &ray, &hit) else {
+        let Some(point) = Point::at(&self.scene, &ray, &hit) else {
             return Meeting::Escaped;
         };
         if !self.scene.has_passable() {
@@ -193,7 +193,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             ray = past(&ray, &point, t);
             self.counters.closest_rays += 1;
             let next = self.tracer.closest(&ray);
-            let Some((hit, p)) = next.and_then(|h| Some((h, Point::at(self.scene, &ray, &h)?)))
+            let Some((hit, p)) = next.and_then(|h| Some((h, Point::at(&self.scene, &ray, &h)?)))
             else {
                 return Meeting::Escaped;
             };
@@ -260,7 +260,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             let Some(hit) = self.tracer.closest(&ray) else {
                 return free;
             };
-            let Some(point) = Point::at(self.scene, &ray, &hit) else {
+            let Some(point) = Point::at(&self.scene, &ray, &hit) else {
                 return free;
             };
             free *= 1.0 - self.opacity(&point, ray.direction);

@@ -6,10 +6,10 @@
 use super::boundary::{side, sides};
 use super::trace::Trace;
 use super::weight::Terms;
-use crate::blob::Scene;
 use crate::blob::format::NONE;
+use crate::blob::{Scene, View};
 use crate::instance::Instance;
-use crate::medium::{Phase, density};
+use crate::medium::{Carried, Phase, density};
 use crate::random::{Purpose, Sampler};
 use crate::real::{Frame, Real, Vec3};
 use crate::shape::Point;
@@ -56,6 +56,8 @@ pub struct Step<S> {
     pub dirac: bool,
     /// The part of `weight` that is refraction's η².
     pub eta_scale: Real,
+    /// The density by channel over the leading one's ([`Scatter::chances`]).
+    pub chances: S,
 }
 
 impl<S: Spectrum> Step<S> {
@@ -70,7 +72,23 @@ impl<S: Spectrum> Step<S> {
             pdf_reverse: s.pdf_reverse,
             dirac: s.dirac,
             eta_scale: s.eta_scale,
+            chances: s.chances,
         })
+    }
+
+    /// f̂·|cos|/p̄ of the step for a walk with densities `ratio` by channel ([`crate::medium`]), which becomes that after it.
+    #[inline(always)]
+    pub fn taken<K: Instance<S = S>>(&self, ratio: &mut S) -> S {
+        if !K::DISPERSIVE || self.chances == S::WHITE {
+            return self.weight;
+        }
+        let mut carried = Carried {
+            throughput: S::WHITE,
+            ratio: *ratio,
+        };
+        carried.draw(self.weight, self.chances);
+        *ratio = carried.ratio;
+        carried.throughput
     }
 }
 
@@ -90,7 +108,8 @@ impl<S: Spectrum> Vertex<S> {
     /// is one of its parts from here on, by `sampler`'s choice.
     #[inline(always)]
     pub fn on_surface<K: Instance<S = S>>(
-        scene: &Scene<'_>,
+        scene: View<'_, '_, S>,
+        lead: usize,
         point: Point,
         previous: Vec3,
         medium: u32,
@@ -113,7 +132,7 @@ impl<S: Spectrum> Vertex<S> {
         #[cfg(not(feature = "glossy"))]
         let _ = sampler;
         let surface = match material {
-            Some(m) => Surface::resolve::<K>(m, scene.texture_view(), point.uv),
+            Some(m) => Surface::resolve::<K>(m, scene.texture_view(), &scene.waves, lead, point.uv),
             None => Surface::BLACK,
         };
         Self {
@@ -209,7 +228,7 @@ impl<S: Spectrum> Vertex<S> {
         if K::MEDIA && self.scattering.is_some() {
             let [medium, _] = self.media;
             let medium = trace.scene.medium(medium);
-            return medium.map_or(0.0, |m| density(m, trace.lead));
+            return medium.map_or(0.0, |m| density(trace.scene, m, trace.lead));
         }
         direction.dot(self.point.normal).abs()
     }
@@ -251,6 +270,7 @@ impl<S: Spectrum> Vertex<S> {
             pdf_reverse: s.pdf_reverse,
             dirac: true,
             eta_scale: s.eta_scale,
+            chances: s.chances,
         })
     }
 

@@ -175,6 +175,7 @@ impl<S: Spectrum> Walk<S> {
             Meeting::Surface(point, distance) => {
                 let mut vertex = Vertex::on_surface::<K>(
                     trace.scene,
+                    trace.lead,
                     point,
                     -self.ray.direction,
                     self.medium,
@@ -183,7 +184,7 @@ impl<S: Spectrum> Walk<S> {
                     sampler,
                 );
                 if K::MEDIA {
-                    vertex.look_around(trace.scene);
+                    vertex.look_around(&trace.scene);
                 }
                 self.emission = S::BLACK;
                 vertex.terms = self.terms_at(trace, mis, &vertex, distance);
@@ -253,7 +254,7 @@ impl<S: Spectrum> Walk<S> {
         vertex: &Vertex<S>,
         sampler: &mut impl Sampler,
     ) -> Option<Step<S>> {
-        let step = vertex.scatter::<K>(trace.scene, self.mode, sampler)?;
+        let step = vertex.scatter::<K>(&trace.scene, self.mode, sampler)?;
         let mut throughput = self.throughput * step.weight;
         let mut relative = self.relative * step.weight * (1.0 / step.eta_scale);
         let q = roulette(relative);
@@ -282,9 +283,11 @@ impl<S: Spectrum> Walk<S> {
         share: Real,
         edges: u32,
     ) -> Self {
+        let mut ratio = vertex.ratio;
+        let weight = step.taken::<K>(&mut ratio);
         let mut walk = Self {
-            throughput: vertex.throughput * step.weight * share,
-            ratio: vertex.ratio,
+            throughput: vertex.throughput * weight * share,
+            ratio,
             edges,
             ..*self
         };
@@ -362,7 +365,7 @@ pub fn source_facing<T, K: Instance>(
 ) -> Real {
     if K::MEDIA && emission.volume {
         let medium = trace.scene.medium(emission.medium);
-        return medium.map_or(0.0, |m| density(m, trace.lead));
+        return medium.map_or(0.0, |m| density(trace.scene, m, trace.lead));
     }
     emission.normal.map_or(1.0, |n| n.dot(direction))
 }
@@ -375,7 +378,7 @@ pub fn connect_first<T: Tracer, K: Instance>(
     x1: Vec3,
     terms: &mut Terms,
 ) {
-    terms.a = emitter::connect_over_trace(trace.scene, emission, x1);
+    terms.a = emitter::connect_over_trace(&trace.scene, emission, x1);
 }
 
 /// What to multiply to f/p̄ of two walks with ratios `x` and `y`, joined over a way of transmittance `tau`, on which the leading

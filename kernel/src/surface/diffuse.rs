@@ -76,6 +76,7 @@ impl<S: Spectrum> Local<S> for Diffuse<S> {
             dirac: false,
             transmitted,
             eta_scale: 1.0,
+            chances: S::WHITE,
         })
     }
 

@@ -49,8 +49,13 @@ impl<S: Spectrum> Glossy<S> {
     /// ([`super::chosen`]).
     #[inline(never)]
     #[allow(clippy::unnecessary_cast)] // not unnecessary in the double-precision package
-    pub fn resolve(m: &Material, textures: TextureView<'_>, uv: [Real; 2]) -> Self {
-        let color = |role: usize| color(m, role, textures, uv);
+    pub fn resolve(
+        m: &Material,
+        textures: TextureView<'_>,
+        waves: &S::Waves,
+        uv: [Real; 2],
+    ) -> Self {
+        let color = |role: usize| color(m, role, textures, waves, uv);
         let ior = m.ior as Real;
         let [first, second] = m.link;
         let compensated = m.flags & material::COMPENSATED != 0;
@@ -61,8 +66,8 @@ impl<S: Spectrum> Glossy<S> {
         match m.kind {
             material::ROUGH_CONDUCTOR => Self::RoughConductor(RoughConductor {
                 facets: Microfacets::of(m),
-                eta: S::from_rgb(m.eta),
-                k: S::from_rgb(m.k),
+                eta: S::lift(m.eta, waves),
+                k: S::lift(m.k, waves),
                 reflectance: color(0),
                 mean: color(1),
                 loss: loss(first),
@@ -152,6 +157,7 @@ pub(super) fn drawn<S: Spectrum>(
         dirac: false,
         transmitted: !same_side(w, wi),
         eta_scale,
+        chances: S::WHITE,
     })
 }
 

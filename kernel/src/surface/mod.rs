@@ -12,6 +12,8 @@ mod conductor;
 pub mod curve;
 mod dielectric;
 mod diffuse;
+#[cfg(feature = "spectral")]
+pub(crate) mod dispersive;
 pub mod fresnel;
 #[cfg(feature = "glossy")]
 mod glossy;
@@ -27,6 +29,8 @@ pub use blend::chosen;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+#[cfg(feature = "spectral")]
+pub use dispersive::Dispersive;
 #[cfg(feature = "glossy")]
 pub use glossy::{Glossy, Phong, Plastic, RoughConductor, RoughDielectric, RoughPlastic};
 pub use mirror::Mirror;
@@ -77,6 +81,9 @@ pub struct Scatter<S> {
     pub transmitted: bool,
     /// The factor of `weight` that is refraction's (η_o/η_i)², 1 if there is none.
     pub eta_scale: Real,
+    /// The density by channel, had it led, over that of the one that leads: other than 1 where channels are treated differently. `weight` is over
+    /// the leading one's density in every channel.
+    pub chances: S,
 }
 
 impl<S: Spectrum> Scatter<S> {
@@ -102,6 +109,7 @@ impl<S: Spectrum> Scatter<S> {
             dirac: true,
             transmitted: false,
             eta_scale: 1.0,
+            chances: S::WHITE,
         }
     }
 }
@@ -162,6 +170,8 @@ pub enum Surface<S> {
     Sheet(Sheet<S>),
     #[cfg(feature = "glossy")]
     Glossy(Glossy<S>),
+    #[cfg(feature = "spectral")]
+    Dispersive(Dispersive<S>),
 }
 
 /// Calls the model's own function; `$none` for a glossy model where there are none.
@@ -182,6 +192,10 @@ macro_rules! each {
             }
             #[cfg(feature = "glossy")]
             Surface::Glossy(_) => $none,
+            #[cfg(feature = "spectral")]
+            Surface::Dispersive($model) if K::DISPERSIVE => $call,
+            #[cfg(feature = "spectral")]
+            Surface::Dispersive(_) => $none,
         }
     };
 }
@@ -199,9 +213,12 @@ impl<S: Spectrum> Surface<S> {
     pub fn resolve<K: Instance<S = S>>(
         m: &Material,
         textures: TextureView<'_>,
+        waves: &S::Waves,
+        lead: usize,
         uv: [Real; 2],
     ) -> Self {
-        let color = |role: usize| color(m, role, textures, uv);
+        let _ = lead;
+        let color = |role: usize| color(m, role, textures, waves, uv);
         match m.kind {
             material::DIFFUSE => Self::Diffuse(Diffuse {
                 reflectance: color(0),
@@ -211,8 +228,8 @@ impl<S: Spectrum> Surface<S> {
                 reflectance: color(0),
             }),
             material::CONDUCTOR => Self::Conductor(Conductor {
-                eta: S::from_rgb(m.eta),
-                k: S::from_rgb(m.k),
+                eta: S::lift(m.eta, waves),
+                k: S::lift(m.k, waves),
                 reflectance: color(0),
             }),
             material::DIELECTRIC => Self::Dielectric(Dielectric {
@@ -222,9 +239,17 @@ impl<S: Spectrum> Surface<S> {
                 transmittance: color(1),
             }),
             material::NULL => Self::Null(Null),
+            #[cfg(feature = "spectral")]
+            material::DISPERSIVE if K::DISPERSIVE => Self::Dispersive(Dispersive::new(
+                m,
+                textures,
+                waves,
+                lead,
+                [color(0), color(1)],
+            )),
             #[cfg(feature = "glossy")]
             kind if K::GLOSSY && kind != material::SHEET => {
-                Self::Glossy(Glossy::resolve(m, textures, uv))
+                Self::Glossy(Glossy::resolve(m, textures, waves, uv))
             }
             _ => Self::Sheet(Sheet {
                 specular_reflectance: color(0),
@@ -240,10 +265,18 @@ impl<S: Spectrum> Surface<S> {
 
 /// A material's colour in a role: the constant times the texture, if there is one.
 #[inline(always)]
-fn color<S: Spectrum>(m: &Material, role: usize, textures: TextureView<'_>, uv: [Real; 2]) -> S {
-    let constant = S::from_rgb(m.color.get(role).copied().unwrap_or([0.0; 3]));
+fn color<S: Spectrum>(
+    m: &Material,
+    role: usize,
+    textures: TextureView<'_>,
+    waves: &S::Waves,
+    uv: [Real; 2],
+) -> S {
+    let constant = S::lift(m.color.get(role).copied().unwrap_or([0.0; 3]), waves);
     match m.texture.get(role) {
-        Some(&id) if id != crate::blob::format::NONE => constant * textures.color::<S>(id, uv),
+        Some(&id) if id != crate::blob::format::NONE => {
+            constant * textures.color::<S>(id, uv, waves)
+        }
         _ => constant,
     }
 }

@@ -3,6 +3,8 @@
 #[cfg(feature = "textures")]
 use super::bitmap::look;
 use crate::blob::format::{NONE, Texture};
+#[cfg(feature = "spectral")]
+use crate::blob::format::{table, texture};
 use crate::real::Real;
 use crate::spectrum::Spectrum;
 
@@ -18,12 +20,18 @@ pub struct TextureView<'a> {
 impl TextureView<'_> {
     /// The colour of texture `id` at (u, v); white if there is none.
     #[inline(always)]
-    pub fn color<S: Spectrum>(&self, id: u32, uv: [Real; 2]) -> S {
+    pub fn color<S: Spectrum>(&self, id: u32, uv: [Real; 2], waves: &S::Waves) -> S {
         if id == NONE {
             return S::WHITE;
         }
         match self.textures.get(id as usize) {
-            Some(t) => S::from_rgb(look(self.texels, t, uv)),
+            #[cfg(feature = "spectral")]
+            Some(t) if t.kind == texture::SPECTRUM => {
+                let tabulated = S::tabulated(table(self.texels, t.texels, t.width), waves);
+                let [color, _] = t.color;
+                tabulated.unwrap_or(S::lift(color, waves))
+            }
+            Some(t) => S::lift(look(self.texels, t, uv), waves),
             None => S::WHITE,
         }
     }

@@ -6,13 +6,13 @@ use arbitrary::{Arbitrary, Result, Unstructured};
 use etendue::Scene;
 use etendue_host::compile::compile;
 use etendue_host::description::{
-    ColorSource, Description, Distribution, Emitter, EmitterKind, Facets, Filter, Geometry, Grid,
-    GridValues, Grids, Image, Lobe, Masking, Material, Medium, Mesh, Model, Pattern, Phase, Place,
-    Projection, Sensor, Shape, Texels, Texture, Tracking, Wrap,
+    Carry, ColorSource, Description, Distribution, Emitter, EmitterKind, Facets, Filter, Geometry,
+    Grid, GridValues, Grids, Image, Index, Lobe, Masking, Material, Medium, Mesh, Model, Pattern,
+    Phase, Place, Projection, Sensor, Shape, Spectrum, Texels, Texture, Tracking, Wrap,
 };
 
 /// What may be wrong with a scene whose numbers all are in their ranges.
-const REASONS: [&str; 14] = [
+const REASONS: [&str; 17] = [
     "a light needs an area",
     "a background already",
     // Media.
@@ -28,6 +28,9 @@ const REASONS: [&str; 14] = [
     "the transform of its grids",
     "from a volume of at least",
     "the weights of phase functions",
+    "an index must be",
+    "a spectrum must have",
+    "an emitter's spectrum must",
 ];
 
 /// **Property:** every description compiles to a blob that opens, or is refused with a reason; one whose numbers keep
@@ -80,6 +83,7 @@ fn description(s: &mut Source<'_>) -> Result<Description> {
         let name = format!("light {i}");
         let kind = light(s)?;
         d.emitters.push(Emitter {
+            spectrum: None,
             name,
             place: Place::default(),
             kind,
@@ -87,6 +91,8 @@ fn description(s: &mut Source<'_>) -> Result<Description> {
         });
     }
     media(s, &mut d)?;
+    let all = [Carry::AsNeeded, Carry::Rgb, Carry::Wavelengths];
+    d.carry = *s.bytes.choose(&all)?;
     Ok(d)
 }
 
@@ -181,7 +187,7 @@ fn grids(s: &mut Source<'_>) -> Result<Grids> {
         }
     }
     Ok(Grids {
-        extinction: grid(s, f32::MAX)?,
+        extinction: grid(s, 1e12)?,
         albedo: if s.coin()? { Some(grid(s, 1.0)?) } else { None },
         emission: if s.coin()? { Some(grid(s, 1.0)?) } else { None },
         to_grid,
@@ -264,7 +270,9 @@ fn color(s: &mut Source<'_>, textures: usize) -> Result<ColorSource> {
 }
 
 fn texture(s: &mut Source<'_>, i: usize) -> Result<Texture> {
-    let pattern = if s.coin()? {
+    let pattern = if s.below(8)? == 0 {
+        Pattern::Spectrum(rows(s, 1.0)?)
+    } else if s.coin()? {
         Pattern::Checkerboard {
             colors: [s.numbers(0.0, 1.0)?, s.numbers(0.0, 1.0)?],
         }
@@ -319,9 +327,31 @@ fn facets(s: &mut Source<'_>) -> Result<Facets> {
     })
 }
 
+/// Rows by rising wavelength, if the source is tame.
+fn rows(s: &mut Source<'_>, most: f32) -> Result<Spectrum> {
+    let mut nm = 0.0;
+    let mut row = |s: &mut Source<'_>| {
+        let step: f32 = s.number(1.0, 1e3)?;
+        nm = if s.tame { nm + step } else { step };
+        Ok([nm, s.number(0.0, most)?])
+    };
+    (0..=s.below(5)?).map(|_| row(s)).collect()
+}
+
+fn index(s: &mut Source<'_>) -> Result<Index> {
+    Ok(match s.below(3)? {
+        0 => Index::Cauchy(s.numbers(0.0, 1e3)?),
+        1 => Index::Sellmeier {
+            b: s.numbers(0.0, 1e3)?,
+            c: s.numbers(0.0, 1e3)?,
+        },
+        _ => Index::Table(rows(s, 100.0)?),
+    })
+}
+
 /// The model of material `own`; its parts come before it.
 fn model(s: &mut Source<'_>, own: usize, textures: usize) -> Result<Model> {
-    Ok(match s.below(11)? {
+    Ok(match s.below(12)? {
         0 => Model::Diffuse {
             reflectance: color(s, textures)?,
             transmittance: color(s, textures)?,
@@ -341,6 +371,13 @@ fn model(s: &mut Source<'_>, own: usize, textures: usize) -> Result<Model> {
             schlick: s.coin()?,
         },
         4 => Model::Null,
+        11 => Model::Dispersive {
+            index: index(s)?,
+            outside: s.number(0.5, 2.0)?,
+            reflectance: color(s, textures)?,
+            transmittance: color(s, textures)?,
+            schlick: s.coin()?,
+        },
         6 => Model::Phong {
             diffuse_reflectance: color(s, textures)?,
             reflectance: color(s, textures)?,
@@ -430,6 +467,11 @@ fn shape(s: &mut Source<'_>, i: usize, d: &Description) -> Result<Shape> {
         back: material(s)?,
         emission: if maybe(s)? {
             Some(s.numbers(0.0, 1e30)?)
+        } else {
+            None
+        },
+        spectrum: if s.below(8)? == 0 {
+            Some(rows(s, 1e30)?)
         } else {
             None
         },

@@ -20,6 +20,7 @@ fn truth(surface: &Surface<Rgb>, w: DVec3, mode: Mode) -> [Lobe; 2] {
     let none = [0.0; 3];
     match surface {
         Surface::Diffuse(_) => [(mirrored, none), (-w, none)],
+        Surface::Dispersive(_) => unreachable!("in the tests of spectra"),
         Surface::Mirror(m) => [(mirrored, channels(m.reflectance)), (-w, none)],
         Surface::Conductor(c) => {
             let (eta, k, scale) = (channels(c.eta), channels(c.k), channels(c.reflectance));

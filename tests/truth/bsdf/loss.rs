@@ -36,7 +36,7 @@ fn compiled(model: Model) -> Specimen {
     };
     Specimen {
         name: "compiled",
-        surface: Surface::<Rgb>::resolve::<All>(&materials[0], view, [0.5; 2]),
+        surface: Surface::<Rgb>::resolve::<All>(&materials[0], view, &(), 0, [0.5; 2]),
         lossless: false,
         glossy: true,
         reciprocal: Some(1.0),

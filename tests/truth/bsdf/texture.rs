@@ -27,7 +27,7 @@ fn look(texture: Texture, texels: &[u32], u: f64, v: f64) -> [f64; 3] {
         textures: &[texture],
         texels,
     };
-    channels(view.color::<Rgb>(0, [u as Real, v as Real]))
+    channels(view.color::<Rgb>(0, [u as Real, v as Real], &()))
 }
 
 fn bytes(rgba: [u8; 4]) -> u32 {
@@ -260,8 +260,9 @@ fn materials_multiply_their_textures() {
     for kind in kinds {
         for flags in [0, material::SCHLICK] {
             (m.kind, m.flags) = (kind, flags);
-            let (found, colors) = match Surface::<Rgb>::resolve::<All>(&m, view, [0.5; 2]) {
+            let (found, colors) = match Surface::<Rgb>::resolve::<All>(&m, view, &(), 0, [0.5; 2]) {
                 Surface::Diffuse(d) => (material::DIFFUSE, vec![d.reflectance, d.transmittance]),
+                Surface::Dispersive(_) => unreachable!("in the tests of spectra"),
                 Surface::Mirror(s) => (material::MIRROR, vec![s.reflectance]),
                 Surface::Conductor(c) => {
                     assert_eq!(channels(c.eta), [0.5, 1.0, 2.0]);

@@ -18,7 +18,7 @@ const FLAGS: [(&str, u32); 3] = [
 ];
 
 /// A mean of transmittances by channel.
-fn transmittance(way: &Way<'_, '_>, seed: u64, count: u32) -> [Moments; 3] {
+fn transmittance(way: &Way<'_, '_, Rgb>, seed: u64, count: u32) -> [Moments; 3] {
     let mut random = Pcg::from_seed(seed);
     let mut moments: [Moments; 3] = Default::default();
     for _ in 0..count {
@@ -392,7 +392,7 @@ fn collisions_know_their_place() {
                     }
                 }
                 let x = r.origin + r.direction * c.t;
-                let emission: Rgb = super::kernel::medium::emission(&scene, way.medium, x);
+                let emission: Rgb = super::kernel::medium::emission(way.scene, way.medium, x);
                 for (a, b) in channels(emission).into_iter().zip(channels(c.emission)) {
                     assert!(
                         (a - b).abs() < 1e-5 * a.max(1.0),

@@ -1,6 +1,7 @@
 //! Ways through media, and what flights along them say.
 
 use super::kernel::Scene;
+use super::kernel::blob::View;
 use super::kernel::medium::{Carried, Flight, Way};
 use super::kernel::random::{Pcg, Purpose, Sampler, Subpath};
 use super::kernel::real::{Real, Vec3};
@@ -28,16 +29,16 @@ pub fn ray(origin: [f64; 3], direction: [f64; 3], t_max: f64) -> Ray {
 }
 
 /// The way along `ray` through the scene's medium `index`.
-pub fn way<'s, 'a>(scene: &'s Scene<'a>, index: usize, ray: Ray) -> Way<'s, 'a> {
+pub fn way<'s, 'a>(scene: &'s Scene<'a>, index: usize, ray: Ray) -> Way<'s, 'a, Rgb> {
     Way {
-        scene,
+        scene: View::new(scene, ()),
         medium: &scene.media()[index],
         ray,
     }
 }
 
 /// The same way from its other end.
-pub fn back<'s, 'a>(way: &Way<'s, 'a>) -> Way<'s, 'a> {
+pub fn back<'s, 'a>(way: &Way<'s, 'a, Rgb>) -> Way<'s, 'a, Rgb> {
     let r = way.ray;
     Way {
         ray: Ray {
@@ -59,7 +60,7 @@ pub const FRESH: Carried<Rgb> = Carried {
 
 /// One flight: how it ended, what was carried then, and the glow.
 pub fn fly(
-    way: &Way<'_, '_>,
+    way: &Way<'_, '_, Rgb>,
     lead: usize,
     random: &mut impl Sampler,
 ) -> (Flight<Rgb>, Carried<Rgb>, Rgb) {
@@ -88,7 +89,7 @@ pub struct Flights {
 
 /// `start` and `end` say where the bins are; `extinction` is σ_t at t.
 pub fn flights(
-    way: &Way<'_, '_>,
+    way: &Way<'_, '_, Rgb>,
     seed: u64,
     count: u32,
     (start, end, bins): (f64, f64, usize),

@@ -93,6 +93,7 @@ fn lets_through(d: &Description, material: usize, depth: u32) -> bool {
             depth == 0 || parts.iter().any(|&part| lets_through(d, part, depth - 1))
         }
         Model::Dielectric { .. }
+        | Model::Dispersive { .. }
         | Model::RoughDielectric { .. }
         | Model::Null
         | Model::Sheet { .. } => true,

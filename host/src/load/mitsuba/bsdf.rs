@@ -1,12 +1,12 @@
 //! BSDFs to what stands on the two sides of a surface.
 
 use super::Loader;
-use super::constants::{INDICES, METALS};
+use super::constants::{GLASSES, INDICES, METALS};
 use super::glossy::exponent;
 use super::plugin::Plugin;
 use super::texture::{Range, show};
-use super::value::number;
-use crate::description::{Color, ColorSource, Material, Model};
+use super::value::{number, table};
+use crate::description::{Color, ColorSource, Index, Material, Model};
 use crate::load::error::{LoadError, Problem};
 
 /// Both sides of a surface, and whether it is there at all.
@@ -127,6 +127,17 @@ impl Loader<'_> {
                 // Our own: Schlick's approximation.
                 let schlick = plugin.boolean("schlick")?.unwrap_or(false);
                 let ior = inside / outside;
+                if let Some(text) = plugin.string("dispersion")? {
+                    let index = dispersion(plugin, text)?;
+                    let model = Model::Dispersive {
+                        index,
+                        outside,
+                        reflectance,
+                        transmittance,
+                        schlick,
+                    };
+                    return Ok(self.both_sides(name, model));
+                }
                 Ok(self.both_sides(
                     name,
                     Model::Dielectric {
@@ -345,4 +356,45 @@ pub fn at_most_one(plugin: &Plugin, parts: &[ColorSource], what: &str) -> Result
         return Err(plugin.invalid(what, "at most 1 in each channel", show(sum)));
     }
     Ok(())
+}
+
+/// Our own: how the index inside depends on wavelength, in place of `int_ior`. `cauchy A B [C]` and `sellmeier B1 B2 B3 C1 C2 C3` (λ in µm),
+/// `table NM:N …`, or a glass by name.
+fn dispersion(plugin: &Plugin, text: &str) -> Result<Index, LoadError> {
+    let wrong = || {
+        let expected = "cauchy A B [C], sellmeier B1 B2 B3 C1 C2 C3, table NM:N …, bk7, sf11 or fused silica, an index from 0.1 to 100 at 380 to 780 nm";
+        plugin.invalid("dispersion", expected, format!("\"{text}\""))
+    };
+    if plugin.has("int_ior") {
+        let text = "has int_ior and dispersion, expected one of the two";
+        return Err(plugin.error(Problem::Malformed(text.into())));
+    }
+    if let Some((_, b, c)) = GLASSES.iter().find(|(name, ..)| *name == text.trim()) {
+        return Ok(Index::Sellmeier { b: *b, c: *c });
+    }
+    let (formula, rest) = text
+        .trim()
+        .split_once(char::is_whitespace)
+        .ok_or_else(wrong)?;
+    let numbers = || {
+        let words = rest.split([',', ' ', '\t', '\n']).filter(|w| !w.is_empty());
+        words.map(str::parse).collect::<Result<Vec<f32>, _>>()
+    };
+    let index = match (formula, numbers().unwrap_or_default().as_slice()) {
+        ("cauchy", &[a, b]) => Index::Cauchy([a, b, 0.0]),
+        ("cauchy", &[a, b, c]) => Index::Cauchy([a, b, c]),
+        ("sellmeier", &[b1, b2, b3, c1, c2, c3]) => Index::Sellmeier {
+            b: [b1, b2, b3],
+            c: [c1, c2, c3],
+        },
+        ("table", _) => Index::Table(table(rest).filter(|t| t.len() <= 256).ok_or_else(wrong)?),
+        _ => return Err(wrong()),
+    };
+    let seen = |nm: f64| (0.1..=100.0).contains(&index.at(nm));
+    let mut visible = (380..=780).map(f64::from);
+    if visible.all(seen) {
+        Ok(index)
+    } else {
+        Err(wrong())
+    }
 }

@@ -28,6 +28,25 @@ pub const INDICES: [(&str, f32); 22] = [
     ("diamond", 2.419),
 ];
 
+/// Glasses that disperse by Sellmeier's formula: name, B, C in µm² (Schott's data sheets; Malitson 1965 for fused silica).
+pub const GLASSES: [(&str, [f32; 3], [f32; 3]); 3] = [
+    (
+        "bk7",
+        [1.039_612_1, 0.231_792_35, 1.010_469_4],
+        [0.006_000_698_7, 0.020_017_914, 103.560_65],
+    ),
+    (
+        "sf11",
+        [1.737_597, 0.313_747_35, 1.898_781],
+        [0.013_188_707, 0.062_306_814, 155.236_29],
+    ),
+    (
+        "fused silica",
+        [0.696_166_3, 0.407_942_6, 0.897_479_4],
+        [0.004_679_148_3, 0.013_512_063, 97.934],
+    ),
+];
+
 /// Complex indices of refraction of metals as seen in linear sRGB: name, η, k (published averages of
 /// measured spectra over the colour matching functions).
 pub const METALS: [(&str, Color, Color); 9] = [

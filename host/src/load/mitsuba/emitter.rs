@@ -15,18 +15,24 @@ impl Loader<'_> {
     /// Adds the emitter at an element of the scene.
     pub fn emitter(&mut self, index: usize) -> Result<(), LoadError> {
         let plugin = Plugin::new(self.document, index)?;
+        let mut spectrum = None;
+        let mut light = |name: &str| {
+            let (color, rows) = plugin.light(name)?;
+            spectrum = rows;
+            Ok::<_, LoadError>(color)
+        };
         let kind = match plugin.kind {
             "point" => EmitterKind::Point {
                 position: place(&plugin)?,
-                intensity: plugin.color("intensity")?.unwrap_or([1.0; 3]),
+                intensity: light("intensity")?,
             },
-            "spot" => self.spot(&plugin)?,
+            "spot" => self.spot(&plugin, light("intensity")?)?,
             "directional" => EmitterKind::Directional {
                 direction: direction(&plugin)?,
-                irradiance: plugin.color("irradiance")?.unwrap_or([1.0; 3]),
+                irradiance: light("irradiance")?,
             },
             "constant" => EmitterKind::Constant {
-                radiance: plugin.color("radiance")?.unwrap_or([1.0; 3]),
+                radiance: light("radiance")?,
             },
             "envmap" => self.envmap(&plugin)?,
             "cubemap" => self.cubemap(&plugin)?,
@@ -62,11 +68,12 @@ impl Loader<'_> {
             place: plugin.node.place.clone(),
             kind,
             medium,
+            spectrum,
         });
         Ok(())
     }
 
-    fn spot(&mut self, plugin: &Plugin) -> Result<EmitterKind, LoadError> {
+    fn spot(&mut self, plugin: &Plugin, intensity: Color) -> Result<EmitterKind, LoadError> {
         let to_world = plugin.transform("to_world")?;
         let cutoff = plugin.positive("cutoff_angle")?.unwrap_or(20.0);
         if cutoff >= 180.0 {
@@ -90,7 +97,7 @@ impl Loader<'_> {
                 .normalize()
                 .as_vec3()
                 .to_array(),
-            intensity: plugin.color("intensity")?.unwrap_or([1.0; 3]),
+            intensity,
             cutoff: cutoff.to_radians(),
             beam_width: beam_width.to_radians(),
         })

@@ -3,9 +3,10 @@
 use super::document::Document;
 use super::node::Node;
 use super::transform;
-use super::value::{color, number, vector};
-use crate::description::Color;
+use super::value::{color, number, rows, vector};
+use crate::description::{Color, Spectrum};
 use crate::load::error::{LoadError, Problem};
+use crate::spectra::emitted;
 use glam::DMat4;
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -254,6 +255,18 @@ impl<'a> Plugin<'a> {
             .children
             .iter()
             .any(|&c| self.document.nodes[c].get("name") == Some(name))
+    }
+
+    /// Light: a colour, or a spectrum and the colour that it stands for; white if nothing is said.
+    pub fn light(&self, name: &str) -> Result<(Color, Option<Spectrum>), LoadError> {
+        let rows = match self.child(name)? {
+            Some(index) => rows(&self.document.nodes[index], self.kind, name)?,
+            None => None,
+        };
+        match rows {
+            Some(rows) => Ok((emitted(&rows), Some(rows))),
+            None => Ok((self.color(name)?.unwrap_or([1.0; 3]), None)),
+        }
     }
 
     /// A colour without texture, each channel ≥ 0.

@@ -3,7 +3,7 @@
 use super::Loader;
 use super::plugin::Plugin;
 use super::transform::similarity;
-use crate::description::{Color, ColorSource, Geometry, Mesh, Model, Shape};
+use crate::description::{Color, ColorSource, Geometry, Mesh, Model, Shape, Spectrum};
 use crate::load::error::{LoadError, Problem};
 use crate::load::mesh::Finish;
 use crate::load::{RawMesh, obj, ply, serialized};
@@ -49,9 +49,13 @@ impl Loader<'_> {
             Some(bsdf) => self.surface(bsdf)?,
             None => self.default_surface(),
         };
-        let emission = match plugin.object("emitter")? {
+        let emitted = match plugin.object("emitter")? {
             Some(emitter) => self.area(emitter)?,
             None => None,
+        };
+        let (emission, spectrum) = match emitted {
+            Some((color, spectrum)) => (Some(color), spectrum),
+            None => (None, None),
         };
         let geometry = match plugin.kind {
             "sphere" => {
@@ -81,6 +85,7 @@ impl Loader<'_> {
             front: surface.front,
             back: surface.back,
             emission,
+            spectrum,
             opacity: surface.opacity,
             interior,
             exterior,
@@ -88,15 +93,15 @@ impl Loader<'_> {
         Ok(())
     }
 
-    fn area(&mut self, index: usize) -> Result<Option<Color>, LoadError> {
+    fn area(&mut self, index: usize) -> Result<Option<(Color, Option<Spectrum>)>, LoadError> {
         let plugin = Plugin::new(self.document, index)?;
         if plugin.kind != "area" {
             return Err(plugin.unknown("area (others stand outside of shapes)"));
         }
-        let radiance = plugin.color("radiance")?.unwrap_or([1.0; 3]);
+        let (radiance, spectrum) = plugin.light("radiance")?;
         plugin.ignore(&["sampling_weight"])?;
         plugin.finish()?;
-        Ok((radiance != [0.0; 3]).then_some(radiance))
+        Ok((radiance != [0.0; 3]).then_some((radiance, spectrum)))
     }
 
     fn textured(&self, material: usize) -> bool {

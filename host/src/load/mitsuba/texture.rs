@@ -2,7 +2,7 @@
 
 use super::Loader;
 use super::plugin::Plugin;
-use super::value::color;
+use super::value::{color, rows};
 use crate::description::{Color, ColorSource, Pattern, Texels, Texture, Wrap};
 use crate::load::bitmap::to_grey;
 use crate::load::error::LoadError;
@@ -35,6 +35,17 @@ impl Loader<'_> {
                 return Err(plugin.invalid(name, "from 0 to 1 in all of its texture", value));
             }
             return Ok(ColorSource::Texture(texture));
+        }
+        if let Some(spectrum) = rows(node, plugin.kind, name)? {
+            if let Some([_, value]) = spectrum.iter().find(|[_, value]| *value > 1.0) {
+                return Err(plugin.invalid(name, "from 0 to 1", value));
+            }
+            self.out.textures.push(Texture {
+                name: format!("the spectrum at line {}", node.place.line),
+                pattern: Pattern::Spectrum(spectrum),
+                to_uv: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            });
+            return Ok(ColorSource::Texture(self.out.textures.len() - 1));
         }
         let color = color(node, plugin.kind, name)?;
         if color.iter().any(|c| *c > 1.0) {
@@ -135,6 +146,7 @@ impl Loader<'_> {
 fn too_bright(texture: &Texture) -> Option<f32> {
     let outside = |c: &&f32| !(0.0..=1.0).contains(*c);
     match &texture.pattern {
+        Pattern::Spectrum(rows) => rows.iter().map(|[_, value]| *value).find(|x| outside(&x)),
         Pattern::Checkerboard { colors } => colors.iter().flatten().find(outside).copied(),
         Pattern::Bitmap { image, .. } => match &image.texels {
             Texels::Float(texels) => texels.iter().flatten().find(outside).copied(),

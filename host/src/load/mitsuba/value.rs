@@ -1,7 +1,7 @@
 //! Numbers, vectors and colours from text.
 
 use super::node::Node;
-use crate::description::Color;
+use crate::description::{Color, Spectrum};
 use crate::load::bitmap::srgb_to_linear;
 use crate::load::error::{LoadError, Problem};
 
@@ -61,6 +61,38 @@ pub fn vector(node: &Node, subject: &str, default: f64) -> Result<[f64; 3], Load
             },
         )),
     }
+}
+
+/// The rows of a `<spectrum value="400:0.1, 500:0.3"/>`; `None` if the element is something else.
+pub fn rows(node: &Node, subject: &str, name: &str) -> Result<Option<Spectrum>, LoadError> {
+    if node.tag != "spectrum" || !node.get("value").is_some_and(|v| v.contains(':')) {
+        return Ok(None);
+    }
+    node.only(&["name", "value"])?;
+    let text = node.need("value")?;
+    table(text).map(Some).ok_or_else(|| {
+        let problem = Problem::Invalid {
+            what: name.into(),
+            expected: "pairs nm:value by rising wavelength, values from 0".into(),
+            found: format!("\"{text}\""),
+        };
+        node.error(subject, problem)
+    })
+}
+
+/// `400:0.1, 500:0.3`: pairs by rising wavelength, values ≥ 0.
+pub fn table(text: &str) -> Option<Spectrum> {
+    let pair = |pair: &str| {
+        let (nm, value) = pair.split_once(':')?;
+        Some([nm.parse().ok()?, value.parse().ok()?])
+    };
+    let pairs = text
+        .split([',', ' ', '\t', '\n', '\r'])
+        .filter(|p| !p.is_empty());
+    let rows: Spectrum = pairs.map(pair).collect::<Option<_>>()?;
+    let rising = rows.windows(2).all(|w| w[0][0] < w[1][0]);
+    let fine = |&[nm, value]: &[f32; 2]| (1.0..1e6).contains(&nm) && (0.0..=1e30).contains(&value);
+    (!rows.is_empty() && rising && rows.iter().all(fine)).then_some(rows)
 }
 
 /// The colour that an element says, each channel ≥ 0.

@@ -155,6 +155,7 @@ fn main() -> ! {
     let fine = run("matter", include_blob!("matter.etd"), memory)
         && run("gloss", include_blob!("gloss.etd"), memory)
         && run("fog", include_blob!("fog.etd"), memory)
+        && run("prism", include_blob!("prism.etd"), memory)
         && run("open_air", include_blob!("open_air.etd"), memory)
         && run("plan", include_blob!("plan.etd"), memory);
     hprintln!(

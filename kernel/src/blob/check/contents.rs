@@ -66,6 +66,8 @@ fn head(bytes: &[u8]) -> Result<(&Header, &[Toc]), Rule> {
     )?;
     ensure(header.length == bytes.len() as u64, Rule::HeaderLength)?;
     ensure(header.needs & !needs::KNOWN == 0, Rule::HeaderNeeds)?;
+    let spectra = header.needs & (needs::SPECTRAL | needs::DISPERSION) != 0;
+    ensure(cfg!(feature = "spectral") || !spectra, Rule::SpectraLeftOut)?;
     ensure((-64..=64).contains(&header.film_exponent), Rule::HeaderFilm)?;
     zeros(&header.reserved, Rule::HeaderReserved)?;
     ensure(

@@ -1,7 +1,7 @@
 //! Emitters, and the tables by which they are chosen.
 
 use super::rules::{Checked, coordinates, ensure, optional, span, unit, within, zeros};
-use super::surface::size;
+use super::surface::{size, spectrum};
 use crate::blob::format::{Cell, Choice, Emitter, NONE, emitter};
 use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
@@ -22,6 +22,17 @@ pub(super) fn emitter(
     within(&e.radiance, 0.0, 1e30, Rule::EmitterRadiance)?;
     within(&[e.density], 0.0, f32::MAX, Rule::EmitterDensity)?;
     coordinates(&e.position, Rule::EmitterPosition)?;
+    let [first, rows] = e.spectrum;
+    if rows > 0 {
+        ensure(cfg!(feature = "spectral"), Rule::SpectraLeftOut)?;
+        ensure(e.kind <= emitter::CONSTANT, Rule::EmitterRows)?;
+        *texels = texels
+            .checked_sub(2 * u64::from(rows))
+            .ok_or(Rule::EnvironmentBudget)?;
+        spectrum(scene, first, rows, 1e30, Rule::EmitterRows)?;
+    } else {
+        zeros(&[first], Rule::EmitterReserved)?;
+    }
     optional(e.medium, scene.media.len(), Rule::EmitterMedium)?;
     zeros(&e.reserved, Rule::EmitterReserved)?;
     match e.kind {

@@ -1,13 +1,30 @@
 //! Materials and textures.
 
 use super::rules::{Checked, ensure, finite, optional, span, within, zeros};
-use crate::blob::format::{Material, Texture, material, texture};
+use crate::blob::format::{Material, Texture, material, table, texture};
 use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
+#[cfg(feature = "spectral")]
+use crate::real::Real;
+#[cfg(feature = "spectral")]
+use crate::spectrum::{FIRST, LAST};
+#[cfg(feature = "spectral")]
+use crate::surface::dispersive::index;
+
+/// Rows of a table of indices at most: materials may share one, and checking takes linear time.
+const MOST_ROWS: u32 = 256;
+/// Wavelengths at which an index is looked at.
+#[cfg(feature = "spectral")]
+const STEPS: u32 = 80;
 
 pub(super) fn material(scene: &Scene<'_>, m: &Material) -> Checked {
-    ensure(m.kind <= material::BLEND, Rule::MaterialKind)?;
-    let glossy = m.kind > material::SHEET;
+    ensure(m.kind <= material::DISPERSIVE, Rule::MaterialKind)?;
+    let disperses = m.kind == material::DISPERSIVE;
+    ensure(
+        cfg!(feature = "spectral") || !disperses,
+        Rule::SpectraLeftOut,
+    )?;
+    let glossy = m.kind > material::SHEET && !disperses;
     ensure(cfg!(feature = "glossy") || !glossy, Rule::MaterialLeftOut)?;
     ensure(m.flags & !known_flags(m.kind) == 0, Rule::MaterialFlags)?;
     within(m.color.as_flattened(), 0.0, 1.0, Rule::MaterialColor)?;
@@ -22,9 +39,12 @@ pub(super) fn material(scene: &Scene<'_>, m: &Material) -> Checked {
 }
 
 fn known_flags(kind: u32) -> u32 {
-    use material::{BECKMANN, CAVITIES, COMPENSATED, FRESNEL, NONLINEAR, SCHLICK, SEPARABLE};
+    use material::{
+        BECKMANN, CAVITIES, COMPENSATED, FORMULA, FRESNEL, NONLINEAR, SCHLICK, SEPARABLE,
+    };
     match kind {
         material::DIELECTRIC => SCHLICK,
+        material::DISPERSIVE => SCHLICK | FORMULA,
         material::PHONG => FRESNEL,
         material::ROUGH_CONDUCTOR => BECKMANN | SEPARABLE | CAVITIES | COMPENSATED,
         material::ROUGH_DIELECTRIC => BECKMANN | SEPARABLE | COMPENSATED,
@@ -59,7 +79,10 @@ fn gloss(scene: &Scene<'_>, m: &Material) -> Checked {
     }
     if m.kind != material::BLEND {
         zeros(&[m.level], Rule::MaterialReserved)?;
-        return curves(scene, m);
+        return match m.kind {
+            material::DISPERSIVE => dispersion(scene, m),
+            _ => curves(scene, m),
+        };
     }
     ensure(
         (1..=material::MAX_LEVEL).contains(&m.level),
@@ -70,6 +93,43 @@ fn gloss(scene: &Scene<'_>, m: &Material) -> Checked {
         // Levels fall towards the parts: no blend is within itself.
         let part = part.ok_or(Rule::MaterialPart)?;
         ensure(part.level < m.level, Rule::MaterialLevel)?;
+    }
+    Ok(())
+}
+
+/// The index is that of something at every visible wavelength.
+fn dispersion(scene: &Scene<'_>, m: &Material) -> Checked {
+    match m.flags & material::FORMULA {
+        material::CAUCHY | material::SELLMEIER => {
+            zeros(&m.link, Rule::MaterialReserved)?;
+        }
+        material::TABLE => {
+            let [first, rows] = m.link;
+            ensure(rows <= MOST_ROWS, Rule::MaterialDispersion)?;
+            spectrum(scene, first, rows, 1e3, Rule::MaterialDispersion)?;
+        }
+        _ => return Err(Rule::MaterialFlags),
+    }
+    #[cfg(feature = "spectral")]
+    for step in 0..=STEPS {
+        let nm = FIRST + (LAST - FIRST) * (step as Real / STEPS as Real);
+        let n = index(m, scene.texels, nm);
+        ensure((0.1..=100.0).contains(&n), Rule::MaterialDispersion)?;
+    }
+    Ok(())
+}
+
+/// Rows of (nm, value) by rising wavelength, values in [0, `most`].
+pub(super) fn spectrum(scene: &Scene<'_>, first: u32, rows: u32, most: f32, rule: Rule) -> Checked {
+    span(scene.texels, first, 2 * u64::from(rows), rule)?;
+    let rows = table(scene.texels, first, rows);
+    ensure(!rows.is_empty(), rule)?;
+    let mut before = 0.0;
+    for &[nm, value] in rows {
+        let nm = f32::from_bits(nm);
+        ensure(nm > before && nm <= 1e6, rule)?;
+        within(&[f32::from_bits(value)], 0.0, most, rule)?;
+        before = nm;
     }
     Ok(())
 }
@@ -97,7 +157,7 @@ fn curves(scene: &Scene<'_>, m: &Material) -> Checked {
 pub(super) fn texture(scene: &Scene<'_>, t: &Texture, budget: &mut u64) -> Checked {
     ensure(cfg!(feature = "textures"), Rule::TextureLeftOut)?;
     let known = texture::NEAREST | texture::CLAMP | texture::MIRROR | texture::ALPHA;
-    ensure(t.kind <= texture::FLOAT, Rule::TextureKind)?;
+    ensure(t.kind <= texture::SPECTRUM, Rule::TextureKind)?;
     ensure(t.flags & !known == 0, Rule::TextureFlags)?;
     finite(t.to_uv.as_flattened(), Rule::TextureToUv)?;
     within(t.color.as_flattened(), 0.0, 1.0, Rule::TextureColor)?;
@@ -105,6 +165,12 @@ pub(super) fn texture(scene: &Scene<'_>, t: &Texture, budget: &mut u64) -> Check
     zeros(&t.reserved2, Rule::TextureReserved)?;
     if t.kind == texture::CHECKERBOARD {
         return Ok(());
+    }
+    if t.kind == texture::SPECTRUM {
+        ensure(cfg!(feature = "spectral"), Rule::SpectraLeftOut)?;
+        let words = 2 * u64::from(t.width);
+        *budget = budget.checked_sub(words).ok_or(Rule::TextureBudget)?;
+        return spectrum(scene, t.texels, t.width, 1.0, Rule::TextureRows);
     }
     let count = size(t.width, t.height).ok_or(Rule::TextureSize)?;
     let float = t.kind == texture::FLOAT;

@@ -25,6 +25,7 @@ fn ball(medium: Medium) -> Description {
             front: Some(0),
             back: Some(0),
             emission: None,
+            spectrum: None,
             opacity: None,
             interior: Some(0),
             exterior: None,
@@ -116,6 +117,7 @@ fn what_emits_is_a_light_in_a_box() {
     };
     // As much power as the box of side 2 with a mean emission of 2.
     d.emitters.push(Emitter {
+        spectrum: None,
         name: "lamp".into(),
         place: Place::default(),
         kind: power(16.0),

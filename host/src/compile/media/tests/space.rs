@@ -39,6 +39,7 @@ fn add(d: &mut Description, name: &str, geometry: Geometry, sides: [Option<usize
         front: Some(0),
         back: Some(0),
         emission: None,
+        spectrum: None,
         opacity: None,
         interior: sides[0],
         exterior: sides[1],
@@ -78,6 +79,7 @@ fn cuboid(low: [f32; 3], high: [f32; 3], faces: usize) -> Geometry {
 
 fn lamp(d: &mut Description, position: [f32; 3], medium: Option<usize>) {
     d.emitters.push(Emitter {
+        spectrum: None,
         name: "lamp".into(),
         place: Place::default(),
         kind: EmitterKind::Point {
@@ -90,6 +92,7 @@ fn lamp(d: &mut Description, position: [f32; 3], medium: Option<usize>) {
 
 fn sky(d: &mut Description) {
     d.emitters.push(Emitter {
+        spectrum: None,
         name: "sky".into(),
         place: Place {
             file: "s.xml".into(),

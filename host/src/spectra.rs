@@ -1,0 +1,33 @@
+//! Spectra, and the colours that they are where paths carry no wavelengths.
+
+use crate::description::Color;
+use etendue::spectrum::{Rgb, interpolate, seen, white};
+
+/// Appends rows to a blob's texels: their first word and their number.
+pub(crate) fn append(texels: &mut Vec<u32>, rows: &[[f32; 2]]) -> [u32; 2] {
+    let first = texels.len() as u32;
+    texels.extend(rows.as_flattened().iter().map(|x| x.to_bits()));
+    [first, rows.len() as u32]
+}
+
+/// The value at a wavelength in nm.
+pub(crate) fn at(rows: &[[f32; 2]]) -> impl Fn(f32) -> f32 {
+    let words: Vec<[u32; 2]> = rows.iter().map(|row| row.map(f32::to_bits)).collect();
+    move |lambda| interpolate(&words, lambda)
+}
+
+/// The nearest colour with no negative channel.
+fn color(rgb: Rgb) -> Color {
+    rgb.to_array().map(|x| x.max(0.0))
+}
+
+/// The colour of light of a spectrum; a flat one of value 1 has luminance 1.
+pub(crate) fn emitted(rows: &[[f32; 2]]) -> Color {
+    color(seen(at(rows)))
+}
+
+/// The colour of what reflects a spectrum of white light.
+pub(crate) fn reflected(rows: &[[f32; 2]]) -> Color {
+    let share = at(rows);
+    color(seen(|lambda| share(lambda) * white(lambda))).map(|x| x.min(1.0))
+}

@@ -1,0 +1,171 @@
+//! Wavelengths: what disperses and what gives spectra by every estimator, and grey scenes, which are the same in both.
+
+use super::Complete::{FromLight, FromSensor};
+use super::{Z, agree, estimates};
+use etendue::{Estimator, Heuristic};
+use etendue_host::description::{
+    Carry, ColorSource, Description, EmitterKind, Index, Medium, Model, Pattern, Phase, Texture,
+};
+use etendue_tests::scenes::{Builder, room};
+
+const WHITE: ColorSource = ColorSource::Constant([1.0; 3]);
+
+fn flint(b: &mut Builder) -> usize {
+    b.material(Model::Dispersive {
+        index: Index::Sellmeier {
+            b: [1.737_597, 0.313_747_35, 1.898_781],
+            c: [0.013_188_707, 0.062_306_814, 155.236_29],
+        },
+        outside: 1.0,
+        reflectance: WHITE,
+        transmittance: WHITE,
+        schlick: false,
+    })
+}
+
+/// A ball of flint glass before coloured walls; with `fog`, coloured fog in it and around it.
+fn glass_ball(fog: bool, carry: Carry) -> Description {
+    let mut d = room(|b| {
+        let (glass, grey) = (flint(b), Some(b.diffuse([0.7; 3])));
+        b.cuboid([-0.7, 0.2, 0.0], [-0.2, 0.7, 0.8], false, grey);
+        // A large lamp: a path tracer has to find it through glass.
+        b.sphere([0.5, -0.2, 1.4], 0.3, None).emission = Some([4.0, 3.0, 2.0]);
+        if fog {
+            let around = b.medium([0.3, 0.2, 0.6], [0.9, 0.8, 0.5], Phase::Isotropic);
+            b.fog([-1.1, -1.2, -0.1], [1.1, 1.1, 2.1], around);
+            let within = b.medium(
+                [0.2, 1.0, 3.0],
+                [0.95; 3],
+                Phase::HenyeyGreenstein { g: 0.5 },
+            );
+            b.ball([0.2, -0.1, 0.45], 0.35, glass, within).exterior = Some(around);
+        } else {
+            b.sphere([0.2, -0.1, 0.45], 0.35, Some(glass));
+        }
+    })
+    .description;
+    d.carry = carry;
+    d
+}
+
+/// Spectra of a surface and of lights, and smooth surfaces of every colour: all light is made from the lights as well.
+fn spectra() -> Description {
+    room(|b| {
+        let rows = vec![[380.0, 0.05], [500.0, 0.9], [530.0, 0.1], [700.0, 0.8]];
+        b.description.textures.push(Texture {
+            name: "paper".into(),
+            pattern: Pattern::Spectrum(rows),
+            to_uv: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        });
+        let paper = b.material(Model::Diffuse {
+            reflectance: ColorSource::Texture(0),
+            transmittance: ColorSource::Constant([0.0; 3]),
+        });
+        b.cuboid([-0.7, 0.2, 0.0], [-0.2, 0.7, 0.8], false, Some(paper));
+        let smoke = b.matter(Medium {
+            sigma_t: [3.0, 1.0, 0.0],
+            albedo: [0.9, 0.6, 0.5],
+            emission: [0.5, 0.2, 0.0],
+            ..Medium::default()
+        });
+        b.fog([0.0, 0.0, 0.1], [0.7, 0.7, 1.0], smoke);
+        b.sphere([0.5, -0.4, 1.5], 0.2, None).emission = Some([8.0, 6.0, 4.0]);
+        b.description.shapes.last_mut().unwrap().spectrum =
+            Some(vec![[420.0, 2.0], [560.0, 12.0], [600.0, 5.0]]);
+        b.light(EmitterKind::Point {
+            position: [-0.4, -0.5, 1.6],
+            intensity: [0.5; 3],
+        });
+        b.description.emitters[0].spectrum = Some(vec![[500.0, 0.2], [650.0, 0.8]]);
+    })
+    .description
+}
+
+#[test]
+fn dispersion() {
+    agree(
+        "a prism of wavelengths",
+        &glass_ball(false, Carry::AsNeeded),
+        FromSensor,
+        None,
+    );
+    agree(
+        "a prism of three channels",
+        &glass_ball(false, Carry::Rgb),
+        FromSensor,
+        None,
+    );
+}
+
+#[test]
+fn dispersion_in_fog() {
+    agree(
+        "wavelengths in fog",
+        &glass_ball(true, Carry::AsNeeded),
+        FromSensor,
+        None,
+    );
+}
+
+#[test]
+fn tables_of_wavelengths() {
+    agree("spectra", &spectra(), FromLight, None);
+}
+
+/// Where all colours are grey, wavelengths are drawn in vain: the mean is that of red, green and blue, in every block.
+#[test]
+fn grey_scenes_are_the_same() {
+    let mut d = room(|b| {
+        let grey = Some(b.diffuse([0.6; 3]));
+        b.cuboid([-0.6, 0.0, 0.0], [-0.1, 0.5, 0.9], false, grey);
+        let glass = b.glass(1.5);
+        let smoke = b.medium([2.0; 3], [0.8; 3], Phase::HenyeyGreenstein { g: 0.4 });
+        b.ball([0.4, -0.1, 0.45], 0.35, glass, smoke);
+        b.sphere([0.4, -0.3, 1.5], 0.25, None).emission = Some([5.0; 3]);
+    })
+    .description;
+    for m in &mut d.materials {
+        if let Model::Diffuse { reflectance, .. } = &mut m.model {
+            *reflectance = ColorSource::Constant([0.6; 3]);
+        }
+    }
+    for s in &mut d.shapes {
+        s.emission = s.emission.map(|[_, g, _]| [g; 3]);
+    }
+    for estimator in [Estimator::Path, Estimator::Bidirectional] {
+        let mut of = |carry| {
+            d.carry = carry;
+            estimates(&d, estimator, Heuristic::Power, None, 24)
+        };
+        let (rgb, spectral) = (of(Carry::Rgb), of(Carry::Wavelengths));
+        super::assert_agree(&format!("grey by {estimator:?}"), &rgb, &spectral);
+        // What a grey scene sends is white: the channels have one mean.
+        for block in spectral.chunks(3) {
+            for other in &block[1..] {
+                let z = (other.mean - block[0].mean) / other.error.hypot(block[0].error);
+                assert!(z.abs() < Z, "{block:?}: z = {z:.1}");
+            }
+        }
+    }
+}
+
+/// White light all around, and glass that disperses and absorbs nothing: nothing is seen of it, at any wavelength.
+#[test]
+fn a_white_furnace() {
+    let mut b = Builder::new().camera([0.0, -3.0, 0.5], [0.0; 3], [0.0, 0.0, 1.0], 40.0, [16, 16]);
+    let glass = flint(&mut b);
+    b.sphere([0.0; 3], 0.8, Some(glass));
+    b.light(EmitterKind::Constant { radiance: [1.0; 3] });
+    for carry in [Carry::AsNeeded, Carry::Rgb] {
+        b.description.carry = carry;
+        for estimator in [Estimator::Path, Estimator::Bidirectional] {
+            for e in estimates(&b.description, estimator, Heuristic::Power, None, 40) {
+                let z = (e.mean - 1.0) / e.error.max(1e-6);
+                assert!(
+                    e.error < 0.01 && z.abs() < Z,
+                    "{carry:?} {estimator:?}: {e:?}, z = {z:.1}"
+                );
+            }
+        }
+    }
+}
