@@ -97,7 +97,11 @@
 // At each point one of the two materials `parts`: the second with probability `color[0]`, its first channel.
 #define ETD_BLEND 11
 
-// Flag of `ETD_DIELECTRIC`: Schlick's approximation in place of Fresnel's equations.
+// A smooth dielectric whose index depends on wavelength λ (µm): over `ior`, which is the index outside, n² = 1 + Σ `eta[i]`·λ²/(λ² − `k[i]`)
+// (Sellmeier); with `ETD_CAUCHY` n = `eta[0]` + `eta[1]`/λ² + `eta[2]`/λ⁴. Colours as `ETD_DIELECTRIC`.
+#define ETD_DISPERSIVE 12
+
+// Flag of `ETD_DIELECTRIC` and `ETD_DISPERSIVE`: Schlick's approximation in place of Fresnel's equations.
 #define ETD_SCHLICK 1
 
 // Flag of `ETD_PHONG`: the lobes have Fresnel's shares of the light, by `ior`.
@@ -115,6 +119,9 @@
 // Flag of the rough kinds: the light that scattering by single facets loses is given back.
 #define ETD_COMPENSATED 32
 
+// Flag of `ETD_DISPERSIVE`: Cauchy's formula.
+#define ETD_CAUCHY 128
+
 // Flag of the plastics: light that the coat sends back takes the base's colour each time.
 #define ETD_NONLINEAR 64
 
@@ -129,6 +136,9 @@
 
 // Texels of 3 floats, linear RGB, 0 to 1.
 #define ETD_FLOAT 3
+
+// The same everywhere, by wavelength: `width` rows of two floats, nm and value (0 to 1), by rising wavelength; linear between. `height` is 1.
+#define ETD_SPECTRUM 4
 
 // Flag: the nearest texel rather than a bilinear mixture.
 #define ETD_NEAREST 1
@@ -286,9 +296,9 @@ typedef struct EtdCamera {
 typedef struct EtdMaterial {
     // sizeof(EtdMaterial).
     uint32_t struct_size;
-    // `ETD_DIFFUSE` to `ETD_BLEND`.
+    // `ETD_DIFFUSE` to `ETD_DISPERSIVE`.
     uint32_t kind;
-    // `ETD_SCHLICK` to `ETD_NONLINEAR`, added up.
+    // `ETD_SCHLICK` to `ETD_CAUCHY`, added up.
     uint32_t flags;
     // Index of refraction inside (behind the front) over that outside, 0.001 to 1000.
     float ior;
@@ -296,9 +306,9 @@ typedef struct EtdMaterial {
     float color[4][3];
     // Textures in their place, or `ETD_NONE`.
     uint32_t texture[4];
-    // Real part of the index of refraction, per channel, > 0.
+    // Real part of the index of refraction, per channel, > 0. `ETD_DISPERSIVE`: coefficients.
     float eta[3];
-    // Imaginary part, per channel, ≥ 0.
+    // Imaginary part, per channel, ≥ 0. `ETD_DISPERSIVE`: Sellmeier's second three, µm².
     float k[3];
     // Roughness of microfacets, 0.0001 to 10.
     float alpha;
@@ -312,7 +322,7 @@ typedef struct EtdMaterial {
 typedef struct EtdTexture {
     // sizeof(EtdTexture).
     uint32_t struct_size;
-    // `ETD_CHECKERBOARD` to `ETD_FLOAT`.
+    // `ETD_CHECKERBOARD` to `ETD_SPECTRUM`.
     uint32_t kind;
     // `ETD_NEAREST` and so on, added up.
     uint32_t flags;
@@ -328,7 +338,7 @@ typedef struct EtdTexture {
     float to_uv[2][3];
     // An image's texels, row by row; floats aligned as such.
     const void *texels;
-    // How many bytes they are: `width` · `height` · 4, or · 12 for `ETD_FLOAT`.
+    // How many bytes they are: `width` · `height` · 4, · 12 for `ETD_FLOAT`, · 8 for `ETD_SPECTRUM`.
     size_t bytes;
 } EtdTexture;
 

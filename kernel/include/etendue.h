@@ -352,7 +352,7 @@ typedef struct EtdTile {
     uint64_t first_sample;
 } EtdTile;
 
-// Exact sums of red, green and blue: integers of 128 bits, low word first. All zero at the beginning. The same bits on
+// Exact sums of red, green and blue: integers of 128 bits (two's complement), low word first. All zero at the beginning. The same bits on
 // every machine; may be stored and sent.
 typedef struct EtdSum {
     // Low and high words of red, green and blue.

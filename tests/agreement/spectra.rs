@@ -109,7 +109,10 @@ fn dispersion_in_fog() {
 
 #[test]
 fn tables_of_wavelengths() {
-    agree("spectra", &spectra(), FromLight, None);
+    let mut d = spectra();
+    agree("spectra", &d, FromLight, None);
+    d.carry = Carry::Rgb;
+    agree("what spectra stand for", &d, FromLight, None);
 }
 
 /// Where all colours are grey, wavelengths are drawn in vain: the mean is that of red, green and blue, in every block.
@@ -159,13 +162,23 @@ fn a_white_furnace() {
     for carry in [Carry::AsNeeded, Carry::Rgb] {
         b.description.carry = carry;
         for estimator in [Estimator::Path, Estimator::Bidirectional] {
-            for e in estimates(&b.description, estimator, Heuristic::Power, None, 40) {
+            let all = estimates(&b.description, estimator, Heuristic::Power, None, 40);
+            for e in &all {
                 let z = (e.mean - 1.0) / e.error.max(1e-6);
                 assert!(
-                    e.error < 0.01 && z.abs() < Z,
+                    e.error < 0.03 && z.abs() < Z,
                     "{carry:?} {estimator:?}: {e:?}, z = {z:.1}"
                 );
             }
+            // One wavelength is noisy in every channel; all blocks together are less so.
+            let n = all.len() as f64;
+            let mean = all.iter().map(|e| e.mean).sum::<f64>() / n;
+            let error = all.iter().map(|e| e.error.powi(2)).sum::<f64>().sqrt() / n;
+            let z = (mean - 1.0) / error;
+            assert!(
+                error < 0.003 && z.abs() < Z,
+                "{carry:?} {estimator:?}: {mean} ± {error}, z = {z:.1}"
+            );
         }
     }
 }

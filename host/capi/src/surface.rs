@@ -6,8 +6,8 @@ use crate::builder::{ETD_NONE, EtdBuilder, edit};
 use crate::described::Described;
 use etendue::capi::status::{ETD_E_ARGUMENT, ETD_E_SIZE, EtdStatus};
 use etendue_host::description::{
-    Color, ColorSource, Distribution, Facets, Image, Masking, Material, Model, Pattern, Texels,
-    Texture, Wrap,
+    Color, ColorSource, Distribution, Facets, Image, Index, Masking, Material, Model, Pattern,
+    Texels, Texture, Wrap,
 };
 use std::ffi::c_void;
 
@@ -36,7 +36,10 @@ pub const ETD_PLASTIC: u32 = 9;
 pub const ETD_ROUGH_PLASTIC: u32 = 10;
 /// At each point one of the two materials `parts`: the second with probability `color[0]`, its first channel.
 pub const ETD_BLEND: u32 = 11;
-/// Flag of `ETD_DIELECTRIC`: Schlick's approximation in place of Fresnel's equations.
+/// A smooth dielectric whose index depends on wavelength λ (µm): over `ior`, which is the index outside, n² = 1 + Σ `eta[i]`·λ²/(λ² − `k[i]`)
+/// (Sellmeier); with `ETD_CAUCHY` n = `eta[0]` + `eta[1]`/λ² + `eta[2]`/λ⁴. Colours as `ETD_DIELECTRIC`.
+pub const ETD_DISPERSIVE: u32 = 12;
+/// Flag of `ETD_DIELECTRIC` and `ETD_DISPERSIVE`: Schlick's approximation in place of Fresnel's equations.
 pub const ETD_SCHLICK: u32 = 1;
 /// Flag of `ETD_PHONG`: the lobes have Fresnel's shares of the light, by `ior`.
 pub const ETD_FRESNEL: u32 = 2;
@@ -48,6 +51,8 @@ pub const ETD_SEPARABLE: u32 = 8;
 pub const ETD_CAVITIES: u32 = 16;
 /// Flag of the rough kinds: the light that scattering by single facets loses is given back.
 pub const ETD_COMPENSATED: u32 = 32;
+/// Flag of `ETD_DISPERSIVE`: Cauchy's formula.
+pub const ETD_CAUCHY: u32 = 128;
 /// Flag of the plastics: light that the coat sends back takes the base's colour each time.
 pub const ETD_NONLINEAR: u32 = 64;
 
@@ -57,9 +62,9 @@ pub const ETD_NONLINEAR: u32 = 64;
 pub struct EtdMaterial {
     /// sizeof(EtdMaterial).
     pub struct_size: u32,
-    /// `ETD_DIFFUSE` to `ETD_BLEND`.
+    /// `ETD_DIFFUSE` to `ETD_DISPERSIVE`.
     pub kind: u32,
-    /// `ETD_SCHLICK` to `ETD_NONLINEAR`, added up.
+    /// `ETD_SCHLICK` to `ETD_CAUCHY`, added up.
     pub flags: u32,
     /// Index of refraction inside (behind the front) over that outside, 0.001 to 1000.
     pub ior: f32,
@@ -67,9 +72,9 @@ pub struct EtdMaterial {
     pub color: [[f32; 3]; 4],
     /// Textures in their place, or `ETD_NONE`.
     pub texture: [u32; 4],
-    /// Real part of the index of refraction, per channel, > 0.
+    /// Real part of the index of refraction, per channel, > 0. `ETD_DISPERSIVE`: coefficients.
     pub eta: [f32; 3],
-    /// Imaginary part, per channel, ≥ 0.
+    /// Imaginary part, per channel, ≥ 0. `ETD_DISPERSIVE`: Sellmeier's second three, µm².
     pub k: [f32; 3],
     /// Roughness of microfacets, 0.0001 to 10.
     pub alpha: f32,
@@ -87,6 +92,8 @@ pub const ETD_SRGB8: u32 = 1;
 pub const ETD_LINEAR8: u32 = 2;
 /// Texels of 3 floats, linear RGB, 0 to 1.
 pub const ETD_FLOAT: u32 = 3;
+/// The same everywhere, by wavelength: `width` rows of two floats, nm and value (0 to 1), by rising wavelength; linear between. `height` is 1.
+pub const ETD_SPECTRUM: u32 = 4;
 /// Flag: the nearest texel rather than a bilinear mixture.
 pub const ETD_NEAREST: u32 = 1;
 /// Flag: outside [0, 1]² the border goes on, rather than the image starting over.
@@ -102,7 +109,7 @@ pub const ETD_ALPHA: u32 = 8;
 pub struct EtdTexture {
     /// sizeof(EtdTexture).
     pub struct_size: u32,
-    /// `ETD_CHECKERBOARD` to `ETD_FLOAT`.
+    /// `ETD_CHECKERBOARD` to `ETD_SPECTRUM`.
     pub kind: u32,
     /// `ETD_NEAREST` and so on, added up.
     pub flags: u32,
@@ -118,7 +125,7 @@ pub struct EtdTexture {
     pub to_uv: [[f32; 3]; 2],
     /// An image's texels, row by row; floats aligned as such.
     pub texels: *const c_void,
-    /// How many bytes they are: `width` · `height` · 4, or · 12 for `ETD_FLOAT`.
+    /// How many bytes they are: `width` · `height` · 4, · 12 for `ETD_FLOAT`, · 8 for `ETD_SPECTRUM`.
     pub bytes: usize,
 }
 
@@ -242,7 +249,7 @@ pub unsafe extern "C" fn etd_builder_add_texture(
 fn pattern(t: &EtdTexture) -> Result<Pattern, Trouble> {
     let known = ETD_NEAREST | ETD_CLAMP | ETD_MIRRORED | ETD_ALPHA;
     let both = ETD_CLAMP | ETD_MIRRORED;
-    if t.kind > ETD_FLOAT || t.flags & !known != 0 || t.flags & both == both || t.reserved != 0 {
+    if t.kind > ETD_SPECTRUM || t.flags & !known != 0 || t.flags & both == both || t.reserved != 0 {
         return Err(bad("texture: unknown kind or flags, or reserved isn't 0"));
     }
     if t.kind == ETD_CHECKERBOARD {
@@ -256,10 +263,25 @@ fn pattern(t: &EtdTexture) -> Result<Pattern, Trouble> {
         return Err(bad("texture: width and height must be 1 to 65536"));
     }
     let count = t.width as usize * t.height as usize;
-    let size = if t.kind == ETD_FLOAT { 12 } else { 4 };
+    let size = match t.kind {
+        ETD_FLOAT => 12,
+        ETD_SPECTRUM => 8,
+        _ => 4,
+    };
     if count.checked_mul(size) != Some(t.bytes) {
         let reason = format!("texture: {} bytes, expected {count} times {size}", t.bytes);
         return Err(Trouble::new(ETD_E_SIZE, reason));
+    }
+    if t.kind == ETD_SPECTRUM {
+        let rows = slice(t.texels.cast::<[f32; 2]>(), count)?;
+        let rising = rows.windows(2).all(|w| w[0][0] < w[1][0]);
+        let fine = |[nm, value]: &[f32; 2]| (1.0..1e6).contains(nm) && (0.0..=1.0).contains(value);
+        if t.height != 1 || t.flags != 0 || !rising || !rows.iter().all(fine) {
+            return Err(bad(
+                "texture: a spectrum has height 1, no flags, and rows by rising wavelength, values 0 to 1",
+            ));
+        }
+        return Ok(Pattern::Spectrum(copied(rows)?));
     }
     let small = || slice(t.texels.cast::<[u8; 4]>(), count);
     let texels = match t.kind {
@@ -303,6 +325,7 @@ fn known_flags(kind: u32) -> u32 {
     let rough = ETD_BECKMANN | ETD_SEPARABLE | ETD_COMPENSATED;
     match kind {
         ETD_DIELECTRIC => ETD_SCHLICK,
+        ETD_DISPERSIVE => ETD_SCHLICK | ETD_CAUCHY,
         ETD_PHONG => ETD_FRESNEL,
         ETD_ROUGH_CONDUCTOR => rough | ETD_CAVITIES,
         ETD_ROUGH_DIELECTRIC => rough,
@@ -338,6 +361,32 @@ fn part(id: u32, scene: &Described) -> Result<usize, Trouble> {
         Some(part) => Ok(part),
         None => Err(bad("material: a blend needs two parts")),
     }
+}
+
+fn dispersive(
+    m: &EtdMaterial,
+    reflectance: ColorSource,
+    transmittance: ColorSource,
+) -> Result<Model, Trouble> {
+    let index = if m.flags & ETD_CAUCHY != 0 {
+        Index::Cauchy(m.eta)
+    } else {
+        Index::Sellmeier { b: m.eta, c: m.k }
+    };
+    let coefficients = m.eta.iter().chain(&m.k).all(|x| (0.0..=1e6).contains(x));
+    let seen = |nm: i32| (0.1..=100.0).contains(&(index.at(nm.into()) / f64::from(m.ior)));
+    if !(coefficients && (0.01..=100.0).contains(&m.ior) && (380..=780).all(seen)) {
+        return Err(bad(
+            "material: eta and k must be 0 to 1e6, and the index 0.1 to 100 from 380 to 780 nm",
+        ));
+    }
+    Ok(Model::Dispersive {
+        index,
+        outside: m.ior,
+        reflectance,
+        transmittance,
+        schlick: m.flags & ETD_SCHLICK != 0,
+    })
 }
 
 fn model(m: &EtdMaterial, scene: &Described) -> Result<Model, Trouble> {
@@ -391,6 +440,7 @@ fn model(m: &EtdMaterial, scene: &Described) -> Result<Model, Trouble> {
             k: m.k,
             reflectance: a,
         }),
+        ETD_DISPERSIVE => dispersive(m, a, b),
         ETD_DIELECTRIC | ETD_ROUGH_DIELECTRIC | ETD_PLASTIC | ETD_ROUGH_PLASTIC | ETD_PHONG
             if !refracts =>
         {

@@ -43,7 +43,7 @@ pub(super) fn incident<S: Spectrum>(
     Some(Incident {
         direction: to_light * (1.0 / distance),
         end: Some(x0),
-        radiance: medium::emission(scene, scene.medium(e.medium)?, x0),
+        radiance: medium::matter(scene, scene.medium(e.medium)?, x0).1,
         // As if it faced y: p_V·d².
         pdf: trace_density(e) * squared,
         dirac: false,
@@ -63,7 +63,7 @@ pub(super) fn emission<S: Spectrum>(
 ) -> Option<Emission<S>> {
     let position = position(e, xi);
     let trace = trace_density(e);
-    let emitted: S = medium::emission(scene, scene.medium(e.medium)?, position);
+    let (_, emitted) = medium::matter(scene, scene.medium(e.medium)?, position);
     let visible = emitted * (1.0 / trace);
     (!visible.is_black()).then(|| Emission {
         position,

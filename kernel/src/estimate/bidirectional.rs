@@ -329,11 +329,17 @@ fn next_event<T: Tracer, K: Instance, P: Sampler>(
     }
     let facing = y.facing(trace, light.direction);
     let mut walked = joint.pdf * sight.expected;
+    let mut chances = K::S::WHITE;
     if K::MEDIA && light.medium != NONE {
         // The point has to lie in what emits, and a walk would have to collide there.
         if sight.medium != light.medium {
             return K::S::BLACK;
         }
+        let at = |x0| medium::chances(trace.scene, light.medium, x0, trace.lead);
+        let Some(at) = light.end.and_then(at) else {
+            return K::S::BLACK;
+        };
+        chances = at;
         let medium = trace.scene.medium(light.medium);
         walked *= medium.map_or(0.0, |m| medium::density(trace.scene, m, trace.lead));
     }
@@ -356,7 +362,7 @@ fn next_event<T: Tracer, K: Instance, P: Sampler>(
     y.throughput
         * joint.value
         * light.radiance
-        * joined::<K>(trace.lead, y.ratio, K::S::WHITE, sight.value)
+        * joined::<K>(trace.lead, y.ratio, chances, sight.value)
         * (weight / light.pdf)
 }
 

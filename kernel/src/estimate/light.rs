@@ -5,6 +5,7 @@ use super::Settings;
 use crate::blob::Scene;
 use crate::emitter::{self, Emission};
 use crate::instance::Instance;
+use crate::medium;
 use crate::path::{Arrival, Joint, Trace, Vertex, Walk, joined, source_facing};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::Real;
@@ -147,9 +148,14 @@ pub(super) fn see_light<T: Tracer, K: Instance, P: Sampler>(
         source_facing(trace, emission, projection.direction)
     };
     let white = K::S::WHITE;
+    let chances = if K::MEDIA && emission.volume {
+        medium::chances(trace.scene, emission.medium, emission.position, trace.lead)?
+    } else {
+        white
+    };
     Some(Seen {
         value: emission.visible
-            * joined::<K>(trace.lead, white, white, sight.value)
+            * joined::<K>(trace.lead, chances, white, sight.value)
             * (projection.density * cos * projection.scale),
         projection,
         density: projection.density * facing * sight.expected,

@@ -270,8 +270,8 @@ fn channels<K: Instance, P: Sampler>(sampler: &mut P) -> (<K::S as Spectrum>::Wa
     K::S::draw(xi)
 }
 
-/// By one instance.
-#[inline(always)]
+/// By one instance. Not inlined: the stack of one isn't that of all.
+#[inline(never)]
 fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
     mut trace: Trace<'_, '_, T, K>,
     settings: &Settings,

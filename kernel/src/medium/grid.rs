@@ -109,11 +109,11 @@ impl<'a, S: Spectrum> Passage<'a, S> {
     }
 }
 
-/// E at a point in the world.
-pub(super) fn emission_at<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, x: Vec3) -> S {
+/// σ_t and E at a point in the world.
+pub(super) fn matter_at<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, x: Vec3) -> (S, S) {
     let u = Rows::new(m).point(x);
     if u.min_element() < 0.0 || u.max_element() > 1.0 {
-        return S::BLACK;
+        return (S::BLACK, S::BLACK);
     }
     let line = Line {
         origin: u,
@@ -122,8 +122,11 @@ pub(super) fn emission_at<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, x: Ve
         end: 0.0,
     };
     match Passage::within(scene, m, line) {
-        Some(p) => p.emission(0.0, p.sigma(0.0)),
-        None => S::BLACK,
+        Some(p) => {
+            let sigma = p.sigma(0.0);
+            (sigma, p.emission(0.0, sigma))
+        }
+        None => (S::BLACK, S::BLACK),
     }
 }
 

@@ -243,13 +243,23 @@ pub fn density<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, lead: usize) -> 
     scene.lift(m.mean).channel(lead)
 }
 
-/// E at the point `x` of the medium.
+/// σ_t and E at the point `x` of the medium.
 #[inline]
-pub fn emission<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, x: Vec3) -> S {
+pub fn matter<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, x: Vec3) -> (S, S) {
     if m.kind == medium::HOMOGENEOUS || !cfg!(feature = "media") {
-        return scene.light(m.emission);
+        return (scene.lift(m.sigma_t), scene.light(m.emission));
     }
-    grid::emission_at(scene, m, x)
+    grid::matter_at(scene, m, x)
+}
+
+/// The densities by channel, over the leading one's, that a point `x` of medium `id` counts for which was drawn as a light: those with which a
+/// walk collides there, so that all strategies share a path between channels alike ([`crate::path::joined`]). `None` where the
+/// leading channel never does.
+#[inline(always)]
+pub fn chances<S: Spectrum>(scene: View<'_, '_, S>, id: u32, x: Vec3, lead: usize) -> Option<S> {
+    let (sigma, _) = matter(scene, scene.medium(id)?, x);
+    let leading = sigma.channel(lead);
+    (leading > 0.0).then(|| sigma * (1.0 / leading))
 }
 
 /// σ·s, where nothing times an infinite way is still nothing.

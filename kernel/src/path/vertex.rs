@@ -233,8 +233,9 @@ impl<S: Spectrum> Vertex<S> {
         direction.dot(self.point.normal).abs()
     }
 
-    /// Draws where the walk goes; `None` if it ends here.
-    #[inline(always)]
+    /// Draws where the walk goes; `None` if it ends here. In a browser's module once rather than in every walk: there it is the size that counts.
+    #[cfg_attr(target_family = "wasm", inline(never))]
+    #[cfg_attr(not(target_family = "wasm"), inline(always))]
     pub fn scatter<K: Instance<S = S>>(
         &self,
         scene: &Scene<'_>,

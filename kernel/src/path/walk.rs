@@ -8,7 +8,7 @@ use super::weight::{Mis, Terms};
 use crate::blob::format::NONE;
 use crate::emitter::{self, Emission};
 use crate::instance::Instance;
-use crate::medium::{Carried, density};
+use crate::medium::{self, Carried, density};
 use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::{Real, Vec3, square};
 use crate::sensor::Start;
@@ -109,6 +109,17 @@ impl<S: Spectrum> Walk<S> {
         trace: &Trace<'_, '_, T, K>,
         emission: &Emission<S>,
     ) -> Self {
+        let mut carried = Carried {
+            throughput: emission.throughput,
+            ratio: S::WHITE,
+        };
+        if K::MEDIA && emission.volume {
+            let x0 = emission.position;
+            match medium::chances(trace.scene, emission.medium, x0, trace.lead) {
+                Some(chances) => carried.draw(S::WHITE, chances),
+                None => carried.throughput = S::BLACK,
+            }
+        }
         Self {
             mode: Mode::Importance,
             ray: Ray {
@@ -117,8 +128,8 @@ impl<S: Spectrum> Walk<S> {
                 t_min: 0.0,
                 t_max: Real::INFINITY,
             },
-            throughput: emission.throughput,
-            ratio: S::WHITE,
+            throughput: carried.throughput,
+            ratio: carried.ratio,
             medium: if K::MEDIA { emission.medium } else { NONE },
             glow: S::BLACK,
             emission: S::BLACK,
@@ -255,8 +266,9 @@ impl<S: Spectrum> Walk<S> {
         sampler: &mut impl Sampler,
     ) -> Option<Step<S>> {
         let step = vertex.scatter::<K>(&trace.scene, self.mode, sampler)?;
-        let mut throughput = self.throughput * step.weight;
-        let mut relative = self.relative * step.weight * (1.0 / step.eta_scale);
+        let weight = step.taken::<K>(&mut self.ratio);
+        let mut throughput = self.throughput * weight;
+        let mut relative = self.relative * weight * (1.0 / step.eta_scale);
         let q = roulette(relative);
         if q < 1.0 {
             if sampler.one(Purpose::Roulette) >= q {

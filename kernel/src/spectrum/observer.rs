@@ -119,7 +119,8 @@ impl Wave {
         Self {
             rgb,
             white: white * (FLAT / WHITE),
-            basis: [red, green, 1.0 - red - green],
+            // Rounding may leave less than nothing.
+            basis: [red, green, (1.0 - red - green).max(0.0)],
         }
     }
 }

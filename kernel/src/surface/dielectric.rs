@@ -23,7 +23,7 @@ pub struct Dielectric<S> {
 impl<S: Spectrum> Dielectric<S> {
     /// The indices on the side of `w` and on the other one, and what Fresnel says.
     #[inline(always)]
-    pub(super) fn boundary(&self, w: Vec3) -> (Real, Real, fresnel::Dielectric) {
+    pub(in crate::surface) fn boundary(&self, w: Vec3) -> (Real, Real, fresnel::Dielectric) {
         let (here, there) = if w.z > 0.0 {
             (1.0, self.ior)
         } else {

@@ -12,15 +12,13 @@ mod conductor;
 pub mod curve;
 mod dielectric;
 mod diffuse;
-#[cfg(feature = "spectral")]
-pub(crate) mod dispersive;
 pub mod fresnel;
-#[cfg(feature = "glossy")]
-mod glossy;
 #[cfg(feature = "glossy")]
 pub mod microfacet;
 mod mirror;
 mod null;
+#[cfg(feature = "glossy")]
+pub(crate) mod outlined;
 mod sheet;
 mod texture;
 
@@ -29,12 +27,12 @@ pub use blend::chosen;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
-#[cfg(feature = "spectral")]
-pub use dispersive::Dispersive;
-#[cfg(feature = "glossy")]
-pub use glossy::{Glossy, Phong, Plastic, RoughConductor, RoughDielectric, RoughPlastic};
 pub use mirror::Mirror;
 pub use null::Null;
+#[cfg(feature = "spectral")]
+pub use outlined::Dispersive;
+#[cfg(feature = "glossy")]
+pub use outlined::{Outlined, Phong, Plastic, RoughConductor, RoughDielectric, RoughPlastic};
 pub use sheet::Sheet;
 pub use texture::TextureView;
 
@@ -169,12 +167,10 @@ pub enum Surface<S> {
     Null(Null),
     Sheet(Sheet<S>),
     #[cfg(feature = "glossy")]
-    Glossy(Glossy<S>),
-    #[cfg(feature = "spectral")]
-    Dispersive(Dispersive<S>),
+    Outlined(Outlined<S>),
 }
 
-/// Calls the model's own function; `$none` for a glossy model where there are none.
+/// Calls the model's own function; `$none` for one behind the door where there are none.
 macro_rules! each {
     ($surface:expr, $model:ident => $call:expr, else $none:expr) => {
         match $surface {
@@ -185,17 +181,13 @@ macro_rules! each {
             Surface::Null($model) => $call,
             Surface::Sheet($model) => $call,
             #[cfg(feature = "glossy")]
-            Surface::Glossy(model) if K::GLOSSY => {
+            Surface::Outlined(model) if K::GLOSSY => {
                 // Its functions are calls; a copy keeps what they see apart from the vertex, which stays in registers.
                 let $model = &{ *model };
                 $call
             }
             #[cfg(feature = "glossy")]
-            Surface::Glossy(_) => $none,
-            #[cfg(feature = "spectral")]
-            Surface::Dispersive($model) if K::DISPERSIVE => $call,
-            #[cfg(feature = "spectral")]
-            Surface::Dispersive(_) => $none,
+            Surface::Outlined(_) => $none,
         }
     };
 }
@@ -239,17 +231,9 @@ impl<S: Spectrum> Surface<S> {
                 transmittance: color(1),
             }),
             material::NULL => Self::Null(Null),
-            #[cfg(feature = "spectral")]
-            material::DISPERSIVE if K::DISPERSIVE => Self::Dispersive(Dispersive::new(
-                m,
-                textures,
-                waves,
-                lead,
-                [color(0), color(1)],
-            )),
             #[cfg(feature = "glossy")]
             kind if K::GLOSSY && kind != material::SHEET => {
-                Self::Glossy(Glossy::resolve(m, textures, waves, uv))
+                Self::Outlined(Outlined::resolve(m, textures, waves, lead, uv))
             }
             _ => Self::Sheet(Sheet {
                 specular_reflectance: color(0),

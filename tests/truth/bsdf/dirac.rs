@@ -2,7 +2,7 @@
 
 use super::kernel::Rgb;
 use super::kernel::real::{Real, Vec3};
-use super::kernel::surface::{Glossy, Local, Mode, Scatter, Surface};
+use super::kernel::surface::{Local, Mode, Outlined, Scatter, Surface};
 use super::zoo::{All, MODES, channels, dirac_lobes, directions, zoo};
 use etendue_tests::fresnel;
 use glam::DVec3;
@@ -20,7 +20,7 @@ fn truth(surface: &Surface<Rgb>, w: DVec3, mode: Mode) -> [Lobe; 2] {
     let none = [0.0; 3];
     match surface {
         Surface::Diffuse(_) => [(mirrored, none), (-w, none)],
-        Surface::Dispersive(_) => unreachable!("in the tests of spectra"),
+        Surface::Outlined(Outlined::Dispersive(_)) => unreachable!("in the tests of spectra"),
         Surface::Mirror(m) => [(mirrored, channels(m.reflectance)), (-w, none)],
         Surface::Conductor(c) => {
             let (eta, k, scale) = (channels(c.eta), channels(c.k), channels(c.reflectance));
@@ -32,17 +32,17 @@ fn truth(surface: &Surface<Rgb>, w: DVec3, mode: Mode) -> [Lobe; 2] {
             (mirrored, channels(s.specular_reflectance)),
             (-w, channels(s.specular_transmittance)),
         ],
-        Surface::Glossy(Glossy::Plastic(p)) => {
+        Surface::Outlined(Outlined::Plastic(p)) => {
             let (r, _) = fresnel::dielectric(1.0, p.ior as f64, w.z.abs());
             [
                 (mirrored, channels(p.reflectance).map(|k| k * r)),
                 (-w, none),
             ]
         }
-        Surface::Glossy(Glossy::Phong(_))
-        | Surface::Glossy(Glossy::RoughConductor(_))
-        | Surface::Glossy(Glossy::RoughDielectric(_))
-        | Surface::Glossy(Glossy::RoughPlastic(_)) => [(mirrored, none), (-w, none)],
+        Surface::Outlined(Outlined::Phong(_))
+        | Surface::Outlined(Outlined::RoughConductor(_))
+        | Surface::Outlined(Outlined::RoughDielectric(_))
+        | Surface::Outlined(Outlined::RoughPlastic(_)) => [(mirrored, none), (-w, none)],
         Surface::Dielectric(d) => {
             let ior = d.ior as f64;
             let (n1, n2) = if w.z > 0.0 { (1.0, ior) } else { (ior, 1.0) };

@@ -5,7 +5,7 @@ use super::kernel::real::Real;
 use super::kernel::spectrum::{Rgb, Spectrum};
 use super::kernel::surface::curve::Curve;
 use super::kernel::surface::microfacet::Masking;
-use super::kernel::surface::{Diffuse, Glossy, Mode, Phong, Plastic, RoughConductor, Surface};
+use super::kernel::surface::{Diffuse, Mode, Outlined, Phong, Plastic, RoughConductor, Surface};
 use super::zoo::{Random, Specimen, channels, direction, facets};
 use etendue_tests::oracles::oracles;
 use etendue_tests::statistics::{Family, Moments, chi_square};
@@ -22,7 +22,7 @@ fn specimen(surface: Surface<Rgb>) -> Specimen {
 }
 
 fn phong(n: f64) -> Surface<Rgb> {
-    Surface::Glossy(Glossy::Phong(Phong {
+    Surface::Outlined(Outlined::Phong(Phong {
         diffuse: Diffuse {
             reflectance: Rgb::BLACK,
             transmittance: Rgb::BLACK,
@@ -89,7 +89,7 @@ fn microfacets(id: &str, n: f64, alpha: f64) -> Surface<Rgb> {
         other => panic!("{other:?}"),
     };
     let (eta, k) = if n > 0.0 { (n, 0.0) } else { (0.0, 1.0) };
-    Surface::Glossy(Glossy::RoughConductor(RoughConductor {
+    Surface::Outlined(Outlined::RoughConductor(RoughConductor {
         facets: facets(alpha as Real, beckmann, masking),
         eta: Rgb::grey(eta as Real),
         k: Rgb::grey(k as Real),
@@ -141,7 +141,7 @@ fn varnish() {
             boundary.transmitted as f64
         });
         let inside = 1.0 - enters / (n * n);
-        let plastic = specimen(Surface::Glossy(Glossy::Plastic(Plastic {
+        let plastic = specimen(Surface::Outlined(Outlined::Plastic(Plastic {
             base: Rgb::grey((rho / (n * n * (1.0 - rho * inside))) as Real),
             reflectance: Rgb::WHITE,
             ior: n as Real,

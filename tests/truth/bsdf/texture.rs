@@ -3,7 +3,7 @@
 use super::kernel::Rgb;
 use super::kernel::blob::format::{Material, NONE, Texture, material, texture};
 use super::kernel::real::Real;
-use super::kernel::surface::{Glossy, Surface, TextureView};
+use super::kernel::surface::{Outlined, Surface, TextureView};
 use super::zoo::{All, channels};
 
 const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -262,7 +262,9 @@ fn materials_multiply_their_textures() {
             (m.kind, m.flags) = (kind, flags);
             let (found, colors) = match Surface::<Rgb>::resolve::<All>(&m, view, &(), 0, [0.5; 2]) {
                 Surface::Diffuse(d) => (material::DIFFUSE, vec![d.reflectance, d.transmittance]),
-                Surface::Dispersive(_) => unreachable!("in the tests of spectra"),
+                Surface::Outlined(Outlined::Dispersive(_)) => {
+                    unreachable!("in the tests of spectra")
+                }
                 Surface::Mirror(s) => (material::MIRROR, vec![s.reflectance]),
                 Surface::Conductor(c) => {
                     assert_eq!(channels(c.eta), [0.5, 1.0, 2.0]);
@@ -283,30 +285,30 @@ fn materials_multiply_their_textures() {
                         s.diffuse.transmittance,
                     ],
                 ),
-                Surface::Glossy(Glossy::Phong(p)) => {
+                Surface::Outlined(Outlined::Phong(p)) => {
                     assert!(p.exponent == 0.25 && p.normalization == 0.5 && p.ior == 1.25);
                     assert_eq!(p.fresnel, flags == material::FRESNEL);
                     let (r, t) = (p.diffuse.reflectance, p.diffuse.transmittance);
                     (material::PHONG, vec![r, p.reflectance, p.transmittance, t])
                 }
-                Surface::Glossy(Glossy::RoughConductor(c)) => {
+                Surface::Outlined(Outlined::RoughConductor(c)) => {
                     assert_eq!(c.facets.alpha, [0.25, 0.5]);
                     assert_eq!(c.facets.beckmann, flags == material::BECKMANN);
                     (material::ROUGH_CONDUCTOR, vec![c.reflectance, c.mean])
                 }
-                Surface::Glossy(Glossy::RoughDielectric(d)) => {
+                Surface::Outlined(Outlined::RoughDielectric(d)) => {
                     assert!(d.ior == 1.25 && d.facets.alpha == [0.25, 0.5]);
                     let colors = vec![d.reflectance, d.transmittance];
                     (material::ROUGH_DIELECTRIC, colors)
                 }
-                Surface::Glossy(Glossy::Plastic(p)) => {
+                Surface::Outlined(Outlined::Plastic(p)) => {
                     // k/(η²(1 − ρ_i)).
                     let base = channels(p.base).map(|b| b * 1.25 * 1.25 * 0.5);
                     let close = |i: usize| (base[i] - expected[0][i]).abs() < 1e-6;
                     assert!((0..3).all(close), "{base:?}");
                     (material::PLASTIC, vec![])
                 }
-                Surface::Glossy(Glossy::RoughPlastic(p)) => {
+                Surface::Outlined(Outlined::RoughPlastic(p)) => {
                     assert_eq!(channels(p.reflectance), expected[1]);
                     (material::ROUGH_PLASTIC, vec![])
                 }

@@ -7,7 +7,7 @@ use super::kernel::spectrum::{Rgb, Spectrum};
 use super::kernel::surface::curve::Curve;
 use super::kernel::surface::microfacet::{Masking, Microfacets};
 use super::kernel::surface::{
-    Conductor, Dielectric, Diffuse, Glossy, Local, Mirror, Mode, Null, Phong, Plastic,
+    Conductor, Dielectric, Diffuse, Local, Mirror, Mode, Null, Outlined, Phong, Plastic,
     RoughConductor, RoughDielectric, RoughPlastic, Scatter, Sheet, Surface,
 };
 
@@ -143,7 +143,7 @@ fn some_loss(most: Real) -> Curve {
 
 fn glossy() -> Vec<Specimen> {
     let conductor = |facets, loss| {
-        Surface::Glossy(Glossy::RoughConductor(RoughConductor {
+        Surface::Outlined(Outlined::RoughConductor(RoughConductor {
             facets,
             eta: Rgb::new(0.143, 0.375, 1.442),
             k: Rgb::new(3.983, 2.386, 1.603),
@@ -153,7 +153,7 @@ fn glossy() -> Vec<Specimen> {
         }))
     };
     let ground = |ior, facets, loss| {
-        Surface::Glossy(Glossy::RoughDielectric(RoughDielectric {
+        Surface::Outlined(Outlined::RoughDielectric(RoughDielectric {
             facets,
             ior,
             reflectance: WARM,
@@ -162,7 +162,7 @@ fn glossy() -> Vec<Specimen> {
         }))
     };
     let phong = |colors: [Rgb; 4], exponent: Real, ior, fresnel| {
-        Surface::Glossy(Glossy::Phong(Phong {
+        Surface::Outlined(Outlined::Phong(Phong {
             diffuse: Diffuse {
                 reflectance: colors[0],
                 transmittance: colors[3],
@@ -175,13 +175,13 @@ fn glossy() -> Vec<Specimen> {
             fresnel,
         }))
     };
-    let plastic = Surface::Glossy(Glossy::Plastic(Plastic {
+    let plastic = Surface::Outlined(Outlined::Plastic(Plastic {
         base: COLD * 0.8,
         reflectance: grey(0.9),
         ior: 1.5,
     }));
     let rough_plastic = |facets, ior| {
-        Surface::Glossy(Glossy::RoughPlastic(RoughPlastic {
+        Surface::Outlined(Outlined::RoughPlastic(RoughPlastic {
             facets,
             base: COLD * 0.8,
             reflectance: grey(0.9),

@@ -5,7 +5,7 @@ use super::kernel::instance::Complete;
 use super::kernel::medium::Carried;
 use super::kernel::real::{Real, Vec3};
 use super::kernel::spectrum::{Hero, Rgb, Spectrum};
-use super::kernel::surface::{Dielectric, Dispersive, Local, Mode, Surface, TextureView};
+use super::kernel::surface::{Dielectric, Dispersive, Local, Mode, Outlined, Surface, TextureView};
 use bytemuck::Zeroable;
 use etendue_host::description::Index;
 use serde_json::Value;
@@ -59,7 +59,7 @@ fn resolved(m: &Material, xi: Real, lead: usize) -> (Dispersive<Hero>, [Real; 4]
         texels: &[],
     };
     match Surface::<Hero>::resolve::<Complete<Hero>>(m, none, &waves, lead, [0.5; 2]) {
-        Surface::Dispersive(d) => (d, Hero::wavelengths(&waves).0),
+        Surface::Outlined(Outlined::Dispersive(d)) => (d, Hero::wavelengths(&waves).0),
         other => panic!("{other:?}"),
     }
 }
@@ -137,6 +137,10 @@ fn channels_share() {
                     continue;
                 };
                 assert!(s.dirac && s.weight.channel(lead) > 0.0);
+                if lobe > 0.0 && !s.transmitted {
+                    // All of it is reflected.
+                    continue;
+                }
                 let mut carried = Carried {
                     throughput: Hero::WHITE,
                     ratio: before,

@@ -9,7 +9,7 @@ use crate::real::Real;
 #[cfg(feature = "spectral")]
 use crate::spectrum::{FIRST, LAST};
 #[cfg(feature = "spectral")]
-use crate::surface::dispersive::index;
+use crate::surface::outlined::dispersive::index;
 
 /// Rows of a table of indices at most: materials may share one, and checking takes linear time.
 const MOST_ROWS: u32 = 256;

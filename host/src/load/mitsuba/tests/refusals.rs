@@ -269,8 +269,28 @@ fn refusals_say_where_what_and_what_instead() {
             "not zero",
         ),
         (
-            "<emitter type='constant'><spectrum name='radiance' value='400:1, 700:2'/></emitter>",
-            "a list of wavelengths as radiance is not supported yet",
+            "<emitter type='constant'><spectrum name='radiance' value='400:1, 300:2'/></emitter>",
+            "pairs nm:value by rising wavelength",
+        ),
+        (
+            "<medium type='homogeneous' id='m'><spectrum name='sigma_t' value='400:1, 700:2'/></medium><shape type='cube'><ref name='interior' id='m'/></shape>",
+            "a list of wavelengths as sigma_t is not supported yet",
+        ),
+        (
+            "<shape type='cube'><bsdf type='dielectric'><string name='dispersion' value='cauchy 0'/></bsdf></shape>",
+            "cauchy A B [C], sellmeier B1 B2 B3 C1 C2 C3",
+        ),
+        (
+            "<shape type='cube'><bsdf type='dielectric'><string name='dispersion' value='cauchy 0.05 0'/></bsdf></shape>",
+            "an index from 0.1 to 100 at 380 to 780 nm",
+        ),
+        (
+            "<shape type='cube'><bsdf type='dielectric'><string name='dispersion' value='bk7'/><float name='int_ior' value='1.5'/></bsdf></shape>",
+            "expected one of the two",
+        ),
+        (
+            "<shape type='cube'><bsdf type='diffuse'><spectrum name='reflectance' value='400:0.5, 500:1.5'/></bsdf></shape>",
+            "from 0 to 1",
         ),
         (
             "<emitter type='constant'><rgb name='radiance' value='1 2'/></emitter>",

@@ -1,12 +1,12 @@
 //! The smooth dielectric boundary whose index depends on wavelength: a prism.
 //!
-//! As [`super::Dielectric`] for each channel; directions are the leading one's. All channels reflect into the same direction, each with its own
+//! As [`Dielectric`] for each channel; directions are the leading one's. All channels reflect into the same direction, each with its own
 //! probability, so that one-sample MIS over them goes on; refraction takes the leading one its own way, which no other would have gone.
 
-use super::{Dielectric, Local, Mode, Scatter, TextureView};
 use crate::blob::format::{Material, material, table};
 use crate::real::{Real, Vec3, sqrt};
 use crate::spectrum::{Spectrum, interpolate};
+use crate::surface::{Dielectric, Local, Mode, Scatter, TextureView};
 
 /// Glass that disperses.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +21,7 @@ pub struct Dispersive<S> {
 
 impl<S: Spectrum> Dispersive<S> {
     /// What a material stands for. `colors` scale reflection and transmission.
-    pub(super) fn new(
+    pub(in crate::surface) fn new(
         m: &Material,
         textures: TextureView<'_>,
         waves: &S::Waves,

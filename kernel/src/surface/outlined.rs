@@ -1,12 +1,16 @@
-//! Local models with glossy lobes: Phong's and those of microfacets. They are together behind one door, because their functions
-//! are long and called, where those of the other models are inlined into every walk.
+//! Local models whose functions are long: Phong's, those of microfacets, and glass that disperses. They are together behind one door
+//! and called, where those of the other models are inlined into every walk.
 
+#[cfg(feature = "spectral")]
+pub(crate) mod dispersive;
 mod phong;
 mod plastic;
 mod rough_conductor;
 mod rough_dielectric;
 mod rough_plastic;
 
+#[cfg(feature = "spectral")]
+pub use dispersive::Dispersive;
 pub use phong::Phong;
 pub use plastic::Plastic;
 pub use rough_conductor::RoughConductor;
@@ -20,31 +24,35 @@ use crate::blob::format::{Material, material};
 use crate::real::{ONE_MINUS, Real, Vec3};
 use crate::spectrum::Spectrum;
 
-/// Any glossy model, its colours looked up.
+/// Any of them, its colours looked up.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // each variant is documented at its model
-pub enum Glossy<S> {
+pub enum Outlined<S> {
     Phong(Phong<S>),
     RoughConductor(RoughConductor<S>),
     RoughDielectric(RoughDielectric<S>),
     Plastic(Plastic<S>),
     RoughPlastic(RoughPlastic<S>),
+    #[cfg(feature = "spectral")]
+    Dispersive(Dispersive<S>),
 }
 
 /// Calls the model's own function.
 macro_rules! each {
     ($glossy:expr, $model:ident => $call:expr) => {
         match $glossy {
-            Glossy::Phong($model) => $call,
-            Glossy::RoughConductor($model) => $call,
-            Glossy::RoughDielectric($model) => $call,
-            Glossy::Plastic($model) => $call,
-            Glossy::RoughPlastic($model) => $call,
+            Outlined::Phong($model) => $call,
+            Outlined::RoughConductor($model) => $call,
+            Outlined::RoughDielectric($model) => $call,
+            Outlined::Plastic($model) => $call,
+            Outlined::RoughPlastic($model) => $call,
+            #[cfg(feature = "spectral")]
+            Outlined::Dispersive($model) => $call,
         }
     };
 }
 
-impl<S: Spectrum> Glossy<S> {
+impl<S: Spectrum> Outlined<S> {
     /// The model of a blob's material at (u, v); its kind is one of those above [`material::SHEET`]. A blend is one of its parts by now
     /// ([`super::chosen`]).
     #[inline(never)]
@@ -53,8 +61,10 @@ impl<S: Spectrum> Glossy<S> {
         m: &Material,
         textures: TextureView<'_>,
         waves: &S::Waves,
+        lead: usize,
         uv: [Real; 2],
     ) -> Self {
+        let _ = lead;
         let color = |role: usize| color(m, role, textures, waves, uv);
         let ior = m.ior as Real;
         let [first, second] = m.link;
@@ -91,6 +101,11 @@ impl<S: Spectrum> Glossy<S> {
                 ior,
                 entering: Curve::read(textures.texels, first),
             }),
+            #[cfg(feature = "spectral")]
+            material::DISPERSIVE => {
+                let colors = [color(0), color(1)];
+                Self::Dispersive(Dispersive::new(m, textures, waves, lead, colors))
+            }
             _ => Self::Phong(Phong {
                 diffuse: Diffuse {
                     reflectance: color(0),
@@ -107,7 +122,7 @@ impl<S: Spectrum> Glossy<S> {
     }
 }
 
-impl<S: Spectrum> Local<S> for Glossy<S> {
+impl<S: Spectrum> Local<S> for Outlined<S> {
     #[inline(never)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> S {
         each!(self, m => m.eval(wo, wi))
