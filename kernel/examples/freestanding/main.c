@@ -9,6 +9,7 @@
 INCLUDE_BLOB(matter, BLOBS "/matter.etd");
 INCLUDE_BLOB(gloss, BLOBS "/gloss.etd");
 INCLUDE_BLOB(fog, BLOBS "/fog.etd");
+INCLUDE_BLOB(prism, BLOBS "/prism.etd");
 INCLUDE_BLOB(open_air, BLOBS "/open_air.etd");
 INCLUDE_BLOB(plan, BLOBS "/plan.etd");
 INCLUDE_BLOB(cornell, CORNELL);
@@ -175,6 +176,6 @@ int run(void)
         return 1;
     }
     int ok = run_suite("matter", matter, matter_end) && run_suite("gloss", gloss, gloss_end) && run_suite("fog", fog, fog_end) &&
-             run_suite("open_air", open_air, open_air_end) && run_suite("plan", plan, plan_end) && picture();
+             run_suite("prism", prism, prism_end) && run_suite("open_air", open_air, open_air_end) && run_suite("plan", plan, plan_end) && picture();
     return ok ? 0 : 1;
 }

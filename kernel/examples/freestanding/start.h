@@ -1,4 +1,4 @@
-/* What a program needs that has no C library: an entry, a few system calls of Linux, and the two memory functions that
+/* What a program needs that has no C library: an entry, a few system calls of Linux, and the three memory functions that
  * the library calls. On another freestanding target this file is what changes. */
 #ifndef START_H
 #define START_H
@@ -95,6 +95,20 @@ void *memset(void *to, int value, size_t n)
 {
     for (char *t = to; n > 0; n--) {
         *t++ = (char)value;
+    }
+    return to;
+}
+
+void *memmove(void *to, const void *from, size_t n)
+{
+    char *t = to;
+    const char *f = from;
+    if ((uintptr_t)t <= (uintptr_t)f) {
+        return memcpy(to, from, n);
+    }
+    while (n > 0) {
+        n--;
+        t[n] = f[n];
     }
     return to;
 }

@@ -1,10 +1,10 @@
 // The page: controls, picture, numbers, chart. `build` joins it with the other scripts; workers run the same text.
-import { ESTIMATORS, Scene, hash, load } from "./etendue.js";
+import { Scene, hash, load } from "./etendue.js";
 import { Pool, Render } from "./render.js";
 import { draw, duration, percent } from "./chart.js";
 import { serve } from "./worker.js";
 
-/** What the estimators look like in the chart: tell-apart colours for all eyes (Okabe and Ito). */
+/** The estimators that the page offers, and what they look like in the chart: tell-apart colours for all eyes (Okabe and Ito). */
 const COLORS = { path: "#e69f00", light: "#56b4e9", bidirectional: "#2fbf8f" };
 
 /** Most pixels of an image: each takes 96 bytes of film in every worker. */
@@ -22,7 +22,7 @@ class Page {
     async start() {
         const wishes = new URLSearchParams(location.hash.slice(1));
         this.limit = Number(wishes.get("spp")) || Infinity;
-        this.estimator = wishes.get("estimator") in ESTIMATORS ? wishes.get("estimator") : "path";
+        this.estimator = wishes.get("estimator") in COLORS ? wishes.get("estimator") : "path";
         const cores = navigator.hardwareConcurrency || 2;
         this.workers = Math.min(Math.max(Number(wishes.get("workers")) || cores, 1), 64);
         this.running = true;
@@ -190,7 +190,7 @@ class Page {
 
     /** Chart and table of all estimators that were tried on this scene. */
     compare() {
-        const names = Object.keys(ESTIMATORS);
+        const names = Object.keys(COLORS);
         const curves = names.map((name) => {
             const points = this.renders[name]?.curve ?? [];
             return { name, points, color: COLORS[name], active: name === this.estimator };

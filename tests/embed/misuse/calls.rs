@@ -207,7 +207,7 @@ fn files() {
             "<scene version='3.0.0'>\n<shape type='tea'/></scene>",
         );
         says(&wrong, ETD_E_PARSE, "b.xml:2");
-        let later = "<scene version='3.0.0'>\n<integrator type='path'/><shape type='sphere'>\n<bsdf type='roughconductor'/></shape></scene>";
+        let later = "<scene version='3.0.0'>\n<integrator type='path'/><shape type='sphere'>\n</shape><emitter type='sunsky'/></scene>";
         says(&text("c.xml", later), ETD_E_UNSUPPORTED, "c.xml:3");
         let good = text(
             "d.xml",

@@ -72,7 +72,7 @@ fn numbers_of_a_scene() {
     refused(
         default_material,
         &[
-            |m| m.kind = 6,
+            |m| m.kind = 13,
             |m| m.flags = 1,
             |m| m.color[0][0] = 1.5,
             |m| m.color[1][2] = 0.5,
@@ -93,7 +93,7 @@ fn numbers_of_a_scene() {
     refused(
         image,
         &[
-            |t| t.kind = 4,
+            |t| t.kind = 5,
             |t| t.flags = 6,
             |t| t.flags = 16,
             |t| t.bytes = 15,
@@ -165,7 +165,7 @@ fn numbers_of_a_scene() {
     refused(
         default_camera,
         &[
-            |c| c.projection = 2,
+            |c| c.projection = 3,
             |c| c.direction = [0.0; 3],
             |c| c.up = [0.0, 0.0, 2.0],
             |c| c.field = 3.2,
