@@ -261,7 +261,8 @@ int main(int argc, char **argv)
     hooks.random = NULL;
     EXPECT(etd_render_tile(scene, &wrong, &hooks, scratch, &tile, image, 3 * pixels), ETD_OK);
     for (size_t i = 0; i < 3 * pixels; i++) {
-        if (!(image[i] >= 0) || isinf(image[i])) {
+        /* Where paths carry wavelengths (1 << 14), one is beyond sRGB's gamut. */
+        if (!isfinite(image[i]) || (image[i] < 0 && (info.needs & 1u << 14) == 0)) {
             printf("a pixel is %g\n", image[i]);
             failures++;
         }

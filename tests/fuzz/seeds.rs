@@ -275,6 +275,10 @@ fn xmls() -> Seeds {
             r#"<shape type="cube"><bsdf type="null"/><medium name="interior" type="heterogeneous"><volume name="sigma_t" type="gridvolume"><string name="filename" value="v.vol"/><transform name="to_world"><scale value="2"/><translate x="-1" y="-1" z="-1"/></transform></volume><volume name="albedo" type="constvolume"><rgb name="value" value="0.5"/></volume><float name="scale" value="3"/><rgb name="emission" value="1"/></medium></shape>"#,
         ),
         (
+            "dispersion",
+            r#"<shape type="sphere"><bsdf type="dielectric"><string name="dispersion" value="sellmeier 1.7 0.3 1.9 0.013 0.06 155"/></bsdf><emitter type="area"><spectrum name="radiance" value="450:1 600:3"/></emitter></shape><shape type="cube"><bsdf type="diffuse"><spectrum name="reflectance" value="400:0.1, 500:0.9"/></bsdf></shape><shape type="cube"><bsdf type="dielectric"><string name="dispersion" value="table 400:1.6 700:1.5"/></bsdf></shape><emitter type="point"><spectrum name="intensity" value="550:1"/></emitter>"#,
+        ),
+        (
             "media_that_overlap",
             r#"<medium type="homogeneous" id="a"/><medium type="homogeneous" id="b"><phase type="forward"/></medium><shape type="sphere"><bsdf type="null"/><ref name="interior" id="a"/></shape><shape type="sphere"><point name="center" x="1" y="0" z="0"/><bsdf type="null"/><ref name="interior" id="b"/></shape>"#,
         ),

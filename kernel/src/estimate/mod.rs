@@ -352,7 +352,7 @@ pub(crate) fn pixel_id([x, y]: [u32; 2]) -> u64 {
 /// No NaN, infinity or negative radiance leaves an estimator.
 #[inline(always)]
 fn accept<S: Spectrum>(value: S, waves: &S::Waves) -> Option<Rgb> {
-    value.is_radiance().then(|| value.to_rgb(waves))
+    value.recorded(waves)
 }
 
 /// The weights' settings for one element.

@@ -134,8 +134,10 @@ impl Spectrum for Hero {
         ((a + b) + (c + d)) * (1.0 / N as Real)
     }
     #[inline(always)]
-    fn is_radiance(self) -> bool {
-        self.0.iter().all(|x| (0.0..Real::INFINITY).contains(x))
+    fn recorded(self, waves: &Waves) -> Option<Rgb> {
+        let rgb = self.to_rgb(waves);
+        let fine = self.0.iter().all(|x| (0.0..Real::INFINITY).contains(x));
+        (fine && rgb.to_array().iter().all(|x| x.is_finite())).then_some(rgb)
     }
     #[inline(never)]
     fn tabulated(rows: &[[u32; 2]], waves: &Waves) -> Option<Self> {

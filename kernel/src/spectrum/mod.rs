@@ -105,8 +105,8 @@ pub trait Spectrum:
     fn max_channel(self) -> Real;
     /// The mean over channels: the importance of this spectrum where one number must decide.
     fn mean(self) -> Real;
-    /// Whether no channel is NaN, infinite or negative.
-    fn is_radiance(self) -> bool;
+    /// [`Self::to_rgb`]; `None` where a channel of either is NaN or infinite, or one of this is negative.
+    fn recorded(self, waves: &Self::Waves) -> Option<Rgb>;
     /// Whether every channel is zero.
     fn is_black(self) -> bool;
     /// Each channel through `f`.

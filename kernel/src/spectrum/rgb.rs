@@ -81,9 +81,9 @@ impl Spectrum for Rgb {
         (self.r + self.g + self.b) * (1.0 / 3.0)
     }
     #[inline(always)]
-    fn is_radiance(self) -> bool {
+    fn recorded(self, (): &()) -> Option<Rgb> {
         let fine = |x: Real| (0.0..Real::INFINITY).contains(&x);
-        fine(self.r) && fine(self.g) && fine(self.b)
+        (fine(self.r) && fine(self.g) && fine(self.b)).then_some(self)
     }
     #[inline(always)]
     fn tabulated(_: &[[u32; 2]], (): &()) -> Option<Self> {

@@ -1,5 +1,6 @@
 //! What must hold of every scene that the gate lets in.
 
+use etendue::blob::format::needs;
 use etendue::estimate::{Rule, Tree};
 use etendue::real::Vec3;
 use etendue::shape::IsaKind;
@@ -29,7 +30,7 @@ type Answers = Vec<([f32; 3], [f32; 3], u32)>;
 /// Estimates a few pixels, a ray and a probe with everything.
 ///
 /// # Panics
-/// If anything isn't finite and ≥ 0, if a splat misses the image, or if two instruction sets differ.
+/// If anything isn't finite and, but for wavelengths, ≥ 0, if a splat misses the image, or if two instruction sets differ.
 pub fn estimates(scene: &Scene<'_>, seed: u64) {
     let first = answers(&scene.with_isa(IsaKind::Scalar), seed);
     let best = answers(&scene.with_isa(IsaKind::best()), seed);
@@ -65,11 +66,11 @@ fn answers(scene: &Scene<'_>, seed: u64) -> Answers {
         let (mut splats, mut count) = (Rgb::BLACK, 0);
         let own = scene.estimate(&settings, pixel, 0, &mut scratch, &mut |[x, y], value| {
             assert!(x < width && y < height, "a splat at {x}, {y}");
-            fine(value, "splat");
+            fine(scene, value, "splat");
             splats += value;
             count += 1;
         });
-        fine(own, "sample");
+        fine(scene, own, "sample");
         out.push((own.to_array(), splats.to_array(), count));
     }
     let settings = Settings {
@@ -81,13 +82,15 @@ fn answers(scene: &Scene<'_>, seed: u64) -> Answers {
     let along = scene.radiance(&settings, center, Vec3::Z, 0, 0, &mut scratch);
     let around = scene.irradiance(&settings, center, Vec3::X, 0, 0, &mut scratch);
     for value in [along, around] {
-        fine(value, "probe");
+        fine(scene, value, "probe");
         out.push((value.to_array(), [0.0; 3], 0));
     }
     out
 }
 
-fn fine(value: Rgb, what: &str) {
-    let good = |x: &f32| (0.0..f32::INFINITY).contains(x);
+fn fine(scene: &Scene<'_>, value: Rgb, what: &str) {
+    // A single wavelength is beyond sRGB's gamut.
+    let signed = scene.has(needs::SPECTRAL);
+    let good = |x: &f32| x.is_finite() && (signed || *x >= 0.0);
     assert!(value.to_array().iter().all(good), "{what} {value:?}");
 }

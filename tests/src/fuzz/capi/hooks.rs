@@ -99,7 +99,8 @@ unsafe extern "C" fn splat(user: *mut c_void, x: u32, y: u32, rgb: *const f32) {
     // SAFETY: what `hooks` gave, and three numbers.
     let (recorder, rgb) = unsafe { (of(user), std::slice::from_raw_parts(rgb, 3)) };
     let inside = x < recorder.size[0] && y < recorder.size[1];
-    let good = rgb.iter().all(|c| (0.0..f32::INFINITY).contains(c));
+    // Single wavelengths are beyond the gamut: signs say nothing.
+    let good = rgb.iter().all(|c| c.is_finite());
     recorder.wrong |= !(inside && good);
     recorder.hear(x);
     recorder.hear(y);
