@@ -71,6 +71,48 @@ fn ask(bytes: &AlignedBlob, id: &str, ask: Ask, n: u64, max_edges: Option<u32>, 
     ask_by(&both, bytes, id, ask, n, max_edges, precision);
 }
 
+/// Its mean by an estimator, in single precision.
+fn mean_by(estimator: Estimator, bytes: &AlignedBlob, ask: Ask, n: u64) -> Estimate {
+    let scene = Scene::open(bytes.bytes()).unwrap();
+    let settings = Settings {
+        estimator,
+        ..Settings::default()
+    };
+    single_by(&scene, &settings, ask, n)
+}
+
+fn unit(v: V) -> glam::DVec3 {
+    glam::DVec3::from(v.map(f64::from)).normalize()
+}
+
+fn single_by(scene: &Scene<'_>, settings: &Settings, ask: Ask, n: u64) -> Estimate {
+    let mut scratch = Scratch::<32>::new();
+    batches(n, |b, i| {
+        match ask {
+            Ask::Ray(o, d) => single::radiance(
+                scene,
+                settings,
+                o.into(),
+                unit(d).as_vec3(),
+                b,
+                i,
+                &mut scratch,
+            ),
+            Ask::Irradiance(p, m) => single::irradiance(
+                scene,
+                settings,
+                p.into(),
+                unit(m).as_vec3(),
+                b,
+                i,
+                &mut scratch,
+            ),
+        }
+        .g
+        .into()
+    })
+}
+
 /// The same by some estimators.
 fn ask_by(
     estimators: &[Estimator],
@@ -83,38 +125,13 @@ fn ask_by(
 ) {
     let narrow = Scene::open(bytes.bytes()).unwrap();
     let wide = etendue_f64::Scene::open(bytes.bytes()).unwrap();
-    let unit = |v: V| glam::DVec3::from(v.map(f64::from)).normalize();
     for &estimator in estimators {
         let settings = Settings {
             estimator,
             max_edges,
             ..Settings::default()
         };
-        let mut scratch = Scratch::<32>::new();
-        let e = batches(n, |b, i| {
-            match ask {
-                Ask::Ray(o, d) => single::radiance(
-                    &narrow,
-                    &settings,
-                    o.into(),
-                    unit(d).as_vec3(),
-                    b,
-                    i,
-                    &mut scratch,
-                ),
-                Ask::Irradiance(p, m) => single::irradiance(
-                    &narrow,
-                    &settings,
-                    p.into(),
-                    unit(m).as_vec3(),
-                    b,
-                    i,
-                    &mut scratch,
-                ),
-            }
-            .g
-            .into()
-        });
+        let e = single_by(&narrow, &settings, ask, n);
         check(id, &format!("{estimator:?} single"), e, precision);
         let estimator = if estimator == Estimator::Path {
             etendue_f64::Estimator::Path

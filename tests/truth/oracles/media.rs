@@ -3,7 +3,7 @@
 //! An infinite slab is a square column between perfect mirrors. By reciprocity what it returns of a beam along the normal is
 //! the radiance seen along the normal under a uniform light from that side.
 
-use super::{Ask, ORACLES, ask, ask_by, sky};
+use super::{Ask, ORACLES, ask, ask_by, mean_by, sky};
 use etendue::Estimator;
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::{EmitterKind, Grid, GridValues, Medium, Phase, Tracking};
@@ -83,18 +83,21 @@ impl Slab {
         blob(&b.transformed(self.scale, [0.0; 3]).description)
     }
 
-    /// Asks for one of its four numbers: UR1, UT1 (along the normal), URU, UTU (diffuse).
-    fn ask(&self, id: &str, samples: u64, precision: f64) {
-        let bytes = self.blob();
+    /// Where one of its four numbers is seen: UR1, UT1 (along the normal), URU, UTU (diffuse).
+    fn what(&self, id: &str) -> Ask {
         let at = |z: f32| [0.37, 0.41, z].map(|x| x * self.scale);
-        let what = match id.rsplit('_').next().unwrap() {
+        match id.rsplit('_').next().unwrap() {
             "UR1" => Ask::Ray(at(1.4), [0.0, 0.0, -1.0]),
             "UT1" => Ask::Ray(at(-0.4), [0.0, 0.0, 1.0]),
             "URU" => Ask::Irradiance(at(1.3), [0.0, 0.0, -1.0]),
             _ => Ask::Irradiance(at(-0.4), [0.0, 0.0, 1.0]),
-        };
+        }
+    }
+
+    /// Asks for it.
+    fn ask(&self, id: &str, samples: u64, precision: f64) {
         // Of the diffuse ones the file has π times the value: an irradiance.
-        ask(&bytes, id, what, samples, None, precision);
+        ask(&self.blob(), id, self.what(id), samples, None, precision);
     }
 }
 
@@ -171,6 +174,99 @@ fn extreme_slabs() {
         let bytes = slab.blob();
         let at = [0.37, 0.41, 1.4].map(|x| x * scale);
         ask(&bytes, id, Ask::Ray(at, [0.0, 0.0, -1.0]), 600, None, 0.03);
+    }
+}
+
+/// Light that scatters a thousand times and more before it comes back or is absorbed, or goes through a hundred free paths: by `path`, whose
+/// cost grows with that number alone.
+#[test]
+fn endless_slabs() {
+    let path = [Estimator::Path];
+    for (id, slab, samples, precision) in [
+        (
+            "highalbedo_a0.99999_tau10000_g0.0_UR1",
+            Slab::new(1e4, 0.99999, 0.0),
+            20,
+            0.02,
+        ),
+        (
+            "highalbedo_a0.99999_tau10000_g0.0_URU",
+            Slab::new(1e4, 0.99999, 0.0),
+            20,
+            0.02,
+        ),
+        (
+            "highalbedo_a0.99999_tau100_g0.9_UR1",
+            Slab::new(100.0, 0.99999, 0.9),
+            60,
+            0.03,
+        ),
+        (
+            "thick_cons_tau100_UT1",
+            Slab::new(100.0, 1.0, 0.0),
+            400,
+            0.08,
+        ),
+        (
+            "peak_g0.999_tau10_UR1",
+            Slab::new(10.0, 1.0, 0.999),
+            3000,
+            0.1,
+        ),
+    ] {
+        let (bytes, what) = (slab.blob(), slab.what(id));
+        ask_by(&path, &bytes, id, what, samples, None, precision);
+    }
+}
+
+/// Two layers, of fog over milk; lit by a uniform lamp above, or by the sun from below.
+fn layers(sun: bool) -> AlignedBlob {
+    let mut b = Builder::new();
+    let mirror = Some(b.mirror(1.0));
+    let height = [0.0, 0.0, 2.5];
+    for (corner, side) in [
+        ([0.0, 0.0, -0.75], [1.0, 0.0, 0.0]),
+        ([0.0, 1.0, -0.75], [1.0, 0.0, 0.0]),
+        ([0.0, 0.0, -0.75], [0.0, 1.0, 0.0]),
+        ([1.0, 0.0, -0.75], [0.0, 1.0, 0.0]),
+    ] {
+        b.quad(corner, side, height, mirror);
+    }
+    if sun {
+        b.light(EmitterKind::Directional {
+            direction: [0.0, 0.0, 1.0],
+            irradiance: [1.0; 3],
+        });
+    } else {
+        b.quad([0.0, 0.0, 1.5], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], None)
+            .emission = Some([1.0; 3]);
+    }
+    let milk = b.medium([1.5; 3], [0.7; 3], Phase::HenyeyGreenstein { g: 0.8 });
+    let fog = b.medium([0.6; 3], [0.95; 3], Phase::HenyeyGreenstein { g: -0.3 });
+    let null = b.null();
+    b.cuboid([-0.5, -0.5, 0.0], [1.5, 1.5, 0.45], false, Some(null))
+        .interior = Some(milk);
+    b.cuboid([-0.5, -0.5, 0.55], [1.5, 1.5, 1.0], false, Some(null))
+        .interior = Some(fog);
+    blob(&b.description)
+}
+
+/// Light goes both ways alike (Helmholtz): what is seen along the normal from below, under a uniform light above, is what gets
+/// through, in all directions, of a beam along the normal from below. The layers aren't symmetric.
+#[test]
+fn layers_from_either_end() {
+    let seen = layers(false);
+    let sent = layers(true);
+    let ray = Ask::Ray([0.37, 0.41, -0.4], [0.0, 0.0, 1.0]);
+    let probe = Ask::Irradiance([0.37, 0.41, 1.3], [0.0, 0.0, -1.0]);
+    for estimator in [Estimator::Path, Estimator::Bidirectional] {
+        let up = mean_by(estimator, &seen, ray, 500);
+        let down = mean_by(estimator, &sent, probe, 2000);
+        let z = up.z(&down);
+        assert!(
+            z.abs() < 5.0 && up.error < 0.02 * up.mean && down.error < 0.02 * down.mean,
+            "{estimator:?}: {up:?} {down:?}: z = {z:.1}"
+        );
     }
 }
 
