@@ -9,6 +9,7 @@ mod compile;
 mod how;
 mod inspect;
 mod render;
+mod screen;
 
 /// How a command ends badly.
 #[derive(Debug)]

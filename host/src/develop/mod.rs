@@ -4,4 +4,4 @@ mod file;
 mod tone;
 
 pub use file::{Format, ImageError, Linear, Output, check_writable, read, write, write_files};
-pub use tone::{Curve, Tone};
+pub use tone::{AS_IT_IS, Curve, Tone};
