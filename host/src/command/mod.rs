@@ -6,6 +6,7 @@ use std::io::Write;
 mod bake;
 mod compare;
 mod compile;
+mod figures;
 mod how;
 mod inspect;
 mod render;
@@ -45,6 +46,8 @@ pub enum Command {
     Inspect(inspect::Inspect),
     /// Compare two images: MSE, relMSE, bias, difference image
     Compare(compare::Compare),
+    /// Render the figures that a manifest lists to one contact sheet
+    Figures(figures::Figures),
 }
 
 impl Command {
@@ -59,6 +62,7 @@ impl Command {
             Self::Compile(c) => &c.scene,
             Self::Inspect(c) => &c.scene,
             Self::Compare(c) => &c.a,
+            Self::Figures(c) => &c.from,
         });
         match self {
             Self::Render(c) => c.run(),
@@ -66,6 +70,7 @@ impl Command {
             Self::Compile(c) => c.run(),
             Self::Inspect(c) => c.run(),
             Self::Compare(c) => c.run(),
+            Self::Figures(c) => c.run(),
         }
     }
 }
