@@ -1,6 +1,7 @@
 //! The program as a user meets it: its commands, its files, its refusals.
 
 mod faults;
+mod figures;
 mod refusals;
 mod signals;
 
@@ -80,12 +81,13 @@ fn help_names_every_flag() {
         "inspect",
         "bake",
         "compare",
+        "figures",
         "Exit codes",
         "130",
     ] {
         assert!(help.contains(part), "--help lacks {part}:\n{help}");
     }
-    let flags: [(&str, &[&str]); 5] = [
+    let flags: [(&str, &[&str]); 6] = [
         (
             "render",
             &[
@@ -128,6 +130,10 @@ fn help_names_every_flag() {
         ("compile", &["--output", "-D"]),
         ("inspect", &["-D"]),
         ("compare", &["--json", "--output"]),
+        (
+            "figures",
+            &["--output", "--keep", "--spp-scale", "--scale", "--threads"],
+        ),
     ];
     for (command, flags) in flags {
         let help = succeed(&at, &[command, "--help"]);

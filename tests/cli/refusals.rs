@@ -14,7 +14,7 @@ fn listing(at: &Path) -> Vec<String> {
 }
 
 /// The program must refuse: one line beginning with `error:` that contains all of `parts`, and no file more than before.
-fn refused(at: &Path, arguments: &[&str], parts: &[&str]) {
+pub fn refused(at: &Path, arguments: &[&str], parts: &[&str]) {
     let before = listing(at);
     let output = etendue(at, arguments);
     let error = text(&output.stderr);

@@ -1,7 +1,7 @@
 //! `etendue compare`.
 
 use super::{Failure, print};
-use crate::develop::{Curve, Linear, Output, Tone, read, write};
+use crate::develop::{AS_IT_IS, Linear, Output, read, write};
 use std::path::PathBuf;
 
 /// Compare two images: MSE, relMSE, bias, difference image
@@ -91,15 +91,7 @@ impl Compare {
         let d = distance(&a, &b);
         if let Some(output) = output {
             let image = difference(&a, &b, d.largest_mean);
-            let tone = Tone {
-                exposure: 0.0,
-                curve: Curve::Gamma {
-                    a: 1.0,
-                    c: 0.0,
-                    gamma: 1.0,
-                },
-            };
-            write(&[output], &image, tone)?;
+            write(&[output], &image, AS_IT_IS)?;
         }
         if self.json {
             let object = serde_json::json!({

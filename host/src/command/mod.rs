@@ -8,9 +8,11 @@ use std::io::Write;
 mod bake;
 mod compare;
 mod compile;
+mod figures;
 mod how;
 mod inspect;
 mod render;
+mod screen;
 
 /// How a command ends badly.
 #[derive(Debug)]
@@ -46,6 +48,8 @@ pub enum Command {
     Inspect(inspect::Inspect),
     /// Compare two images: MSE, relMSE, bias, difference image
     Compare(compare::Compare),
+    /// Render the figures that a manifest lists to one contact sheet
+    Figures(figures::Figures),
 }
 
 impl Command {
@@ -60,6 +64,7 @@ impl Command {
             Self::Compile(c) => &c.scene,
             Self::Inspect(c) => &c.scene,
             Self::Compare(c) => &c.a,
+            Self::Figures(c) => &c.from,
         });
         match self {
             Self::Render(c) => c.run(),
@@ -67,6 +72,7 @@ impl Command {
             Self::Compile(c) => c.run(),
             Self::Inspect(c) => c.run(),
             Self::Compare(c) => c.run(),
+            Self::Figures(c) => c.run(),
         }
     }
 }

@@ -1,8 +1,9 @@
 //! `etendue render`.
 
 use super::how::How;
+use super::screen::Screen;
 use super::{ColorName, Failure, define, print, warn};
-use crate::develop::{Curve, Linear, Output, Tone, write};
+use crate::develop::{Linear, Output, write};
 use crate::render::{Budget, Device, Options, Progress, Rendered, render};
 use crate::scene::{Changes, prepare};
 use clap::ValueEnum;
@@ -15,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Samples per pixel if neither the command line nor the scene says.
-const DEFAULT_SAMPLES: u64 = 64;
+pub(super) const DEFAULT_SAMPLES: u64 = 64;
 
 /// Render a scene to images
 ///
@@ -54,19 +55,8 @@ pub struct Render {
     /// Rows of the image; with --height alone the shape is kept
     #[arg(long, value_name = "H")]
     height: Option<u32>,
-    /// PNG: stops of exposure, -64 to 64; radiance × 2^EV comes before the tone curve
-    #[arg(
-        long,
-        value_name = "EV",
-        default_value_t = 0.0,
-        allow_negative_numbers = true,
-        value_parser = stops
-    )]
-    exposure: f32,
-    /// PNG: none (clamped), reinhard (x/(1+x)), both sRGB-coded, or gamma:a,c,γ, which is a·(x+c)^γ in place of
-    /// the sRGB curve; gamma alone is gamma:1,0,0.4545
-    #[arg(long, value_name = "CURVE", default_value = "none")]
-    tonemap: Curve,
+    #[command(flatten)]
+    screen: Screen,
     /// End with one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -81,14 +71,6 @@ enum DeviceName {
     Cpu,
     /// a GPU of NVIDIA's
     Cuda,
-}
-
-/// An exposure.
-fn stops(text: &str) -> Result<f32, String> {
-    let number = text.parse().ok();
-    number
-        .filter(|ev| (-64.0..=64.0).contains(ev))
-        .ok_or_else(|| "expected a number from -64 to 64".into())
 }
 
 /// A number with a unit.
@@ -154,11 +136,7 @@ impl Render {
             size: rendered.size,
             pixels: rendered.image.clone(),
         };
-        let tone = Tone {
-            exposure: self.exposure,
-            curve: self.tonemap,
-        };
-        write(&outputs, &image, tone)?;
+        write(&outputs, &image, self.screen.tone())?;
         self.report(&rendered)?;
         if rendered.interrupted {
             Err(Failure::Interrupted)
@@ -239,7 +217,7 @@ impl Render {
 }
 
 /// The first Ctrl-C ends the render after its pass; the second ends the program.
-fn catch_interrupt() -> Result<Arc<AtomicBool>, String> {
+pub(super) fn catch_interrupt() -> Result<Arc<AtomicBool>, String> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     ctrlc::set_handler(move || {

@@ -31,6 +31,16 @@ pub enum Curve {
     },
 }
 
+/// For images that hold what a screen shows, coded, from 0 to 1.
+pub const AS_IT_IS: Tone = Tone {
+    exposure: 0.0,
+    curve: Curve::Gamma {
+        a: 1.0,
+        c: 0.0,
+        gamma: 1.0,
+    },
+};
+
 impl Tone {
     /// What is stored for one channel.
     pub fn apply(&self, x: f32) -> u8 {
