@@ -122,8 +122,8 @@ fn check(case: &Case<'_>) {
         let values: Vec<f64> = renders.iter().map(|r| r[i]).collect();
         let (mean, error) = spread(&values);
         // Where nothing but a sky of one colour is seen there is no noise: what remains is that the reference was summed in
-        // single precision (2e-6 of it, by those blocks).
-        let rounding = 2e-6 * truth[i];
+        // single precision: off by up to 1.3e-5 of it in those blocks.
+        let rounding = 4e-6 * truth[i];
         let total = (error * error + noise[i] + rounding * rounding).sqrt();
         let z = if total > 0.0 {
             (mean - truth[i]) / total

@@ -23,7 +23,7 @@ use crate::instance::Instance;
 use crate::medium::Way;
 use crate::path::{MAX_STEPS, Meeting, Trace, Vertex};
 use crate::random::{Purpose, Sampler};
-use crate::real::{Real, Vec3, atan2, square, tan, vec3};
+use crate::real::{Real, Vec3, atan2, gamma, square, tan, vec3};
 use crate::sensor::Element;
 use crate::shape::{Ray, Tracer};
 use crate::spectrum::Spectrum;
@@ -401,6 +401,14 @@ impl<S: Spectrum> Sum<'_, S> {
         let mut through = S::WHITE;
         let mut before = 0.0;
         let inverse = 1.0 / Real::from(steps);
+        // What ends the way is as far as rounding says; the last node must not lie behind it, where other lights shine.
+        let far = way.ray.origin + way.ray.direction * end;
+        let margin = gamma(32) * (far.abs().max_element() + end);
+        let inside = if margin.is_finite() {
+            end - margin
+        } else {
+            end
+        };
         // Ends count half, but not where all is shifted.
         let last = if self.rule.shift { steps - 1 } else { steps };
         for i in 0..=last {
@@ -422,7 +430,8 @@ impl<S: Spectrum> Sum<'_, S> {
             let t = t.min(end).max(start);
             through *= way.between(before, t).exact();
             before = t;
-            if let Some(value) = f(way.ray.origin + way.ray.direction * t, t) {
+            let at = t.min(inside).max(start);
+            if let Some(value) = f(way.ray.origin + way.ray.direction * at, t) {
                 sum += value * through * (weight * length * inverse);
             }
         }
