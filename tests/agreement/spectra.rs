@@ -14,7 +14,7 @@ fn flint(b: &mut Builder) -> usize {
     b.material(Model::Dispersive {
         index: Index::Sellmeier {
             b: [1.737_597, 0.313_747_35, 1.898_781],
-            c: [0.013_188_707, 0.062_306_814, 155.236_29],
+            c: [0.013_188_707, 0.062_306_814, 155.236_3],
         },
         outside: 1.0,
         reflectance: WHITE,

@@ -8,7 +8,7 @@ use crate::media::{grids, media};
 use etendue::blob::Rule;
 use etendue::blob::format::{
     Cell, Choice, Emitter, LANES, Material, NONE, Node, Packet, Sensor, Shape, Sphere, Texture,
-    Toc, Triangle, World, child, emitter, material, section, texture,
+    Toc, Triangle, World, child, emitter, material, needs, section, texture,
 };
 use etendue_host::blob::AlignedBlob;
 
@@ -349,6 +349,12 @@ fn glossy() -> Vec<Break> {
         m(Rule::MaterialFlags, BLEND, |m| m.flags = 1),
         m(Rule::MaterialFlags, GLASS, |m| {
             (m.kind, m.flags) = (material::DISPERSIVE, material::FORMULA);
+        }),
+        m(Rule::MaterialNeeds, GLASS, |m| {
+            (m.kind, m.eta[0]) = (material::DISPERSIVE, 1.5);
+        }),
+        broken(Rule::MaterialNeeds, section::MATERIALS, PHONG, |d| {
+            d.header().needs &= !needs::GLOSSY;
         }),
         // Cauchy's, of nothing: an index of 0.
         m(Rule::MaterialDispersion, GLASS, |m| {

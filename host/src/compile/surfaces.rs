@@ -314,6 +314,7 @@ impl Surfaces {
             material::ROUGH_DIELECTRIC,
             material::PLASTIC,
             material::ROUGH_PLASTIC,
+            material::BLEND,
         ];
         if glossy.contains(&m.kind) {
             self.needs |= needs::GLOSSY;

@@ -75,7 +75,7 @@ pub mod needs {
     pub const GRIDS: u32 = 1 << 9;
     /// At least one medium that emits.
     pub const GLOWING: u32 = 1 << 10;
-    /// At least one glossy lobe: neither diffuse nor Dirac.
+    /// At least one material with glossy lobes (neither diffuse nor Dirac), or a blend.
     pub const GLOSSY: u32 = 1 << 11;
     /// At least one light that is small for the scene, among media: distances to it are worth sampling (equiangular).
     pub const SMALL_LIGHTS: u32 = 1 << 12;

@@ -162,6 +162,7 @@ rules! {
     MaterialK Range c"k must be in [0, 1e6]"
     MaterialReserved Reserved c"reserved words must be 0, and so must what the material's kind doesn't use"
     MaterialLeftOut Needs c"this kernel was built without glossy materials"
+    MaterialNeeds Mismatch c"needs must say that materials are glossy, blended or dispersive"
     SpectraLeftOut Needs c"this kernel was built without spectra"
     MaterialDispersion Range c"an index must be in [0.1, 100] from 380 to 780 nm; of a table, at most 256 rows by rising wavelength"
     MaterialExponent Range c"an exponent must be in [0, 100000]"

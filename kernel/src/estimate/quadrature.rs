@@ -213,9 +213,8 @@ impl<S: Spectrum> Sum<'_, S> {
                 if let Some(e) = emitter::on(&scene, point.shape) {
                     self.radiance += throughput * emitter::radiance(scene, e, &point, previous);
                 }
-                let mut vertex = Vertex::on_surface::<K>(
-                    scene, trace.lead, point, previous, medium, throughput, ratio, sampler,
-                );
+                let mut vertex =
+                    Vertex::on_surface(trace, point, previous, medium, throughput, ratio, sampler);
                 if K::MEDIA {
                     vertex.look_around(&scene);
                 }

@@ -6,8 +6,8 @@
 use super::boundary::{side, sides};
 use super::trace::Trace;
 use super::weight::Terms;
+use crate::blob::Scene;
 use crate::blob::format::NONE;
-use crate::blob::{Scene, View};
 use crate::instance::Instance;
 use crate::medium::{Carried, Phase, density};
 use crate::random::{Purpose, Sampler};
@@ -107,9 +107,8 @@ impl<S: Spectrum> Vertex<S> {
     /// The vertex on a surface at `point`, reached from direction `previous` through `medium`; its weight terms are zero. A blend
     /// is one of its parts from here on, by `sampler`'s choice.
     #[inline(always)]
-    pub fn on_surface<K: Instance<S = S>>(
-        scene: View<'_, '_, S>,
-        lead: usize,
+    pub fn on_surface<T, K: Instance<S = S>>(
+        trace: &Trace<'_, '_, T, K>,
         point: Point,
         previous: Vec3,
         medium: u32,
@@ -117,6 +116,7 @@ impl<S: Spectrum> Vertex<S> {
         ratio: S,
         sampler: &mut impl Sampler,
     ) -> Self {
+        let (scene, lead) = (trace.scene, trace.lead);
         let front = previous.dot(point.shading) >= 0.0;
         let material = scene
             .shape(point.shape)

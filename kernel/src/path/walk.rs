@@ -184,9 +184,8 @@ impl<S: Spectrum> Walk<S> {
         }
         match meeting {
             Meeting::Surface(point, distance) => {
-                let mut vertex = Vertex::on_surface::<K>(
-                    trace.scene,
-                    trace.lead,
+                let mut vertex = Vertex::on_surface(
+                    trace,
                     point,
                     -self.ray.direction,
                     self.medium,

@@ -1,5 +1,7 @@
 //! Who looks, by what light, and what colours stand for: tables over wavelength, linear between their rows.
 
+#![allow(clippy::excessive_precision)] // not excessive in the double-precision package
+
 use super::{Rgb, Spectrum};
 use crate::real::Real;
 

@@ -1,7 +1,7 @@
 //! Materials and textures.
 
 use super::rules::{Checked, ensure, finite, optional, span, within, zeros};
-use crate::blob::format::{Material, Texture, material, table, texture};
+use crate::blob::format::{Material, Texture, material, needs, table, texture};
 use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
 #[cfg(feature = "spectral")]
@@ -35,7 +35,13 @@ pub(super) fn material(scene: &Scene<'_>, m: &Material) -> Checked {
     within(&m.eta, 0.0, 1e6, Rule::MaterialEta)?;
     within(&m.k, 0.0, 1e6, Rule::MaterialK)?;
     zeros(&[m.reserved], Rule::MaterialReserved)?;
-    gloss(scene, m)
+    gloss(scene, m)?;
+    // The instance of the estimators that runs is the one that `needs` asks for.
+    let told = scene.has(match m.kind {
+        material::DISPERSIVE => needs::DISPERSION | needs::SPECTRAL,
+        _ => needs::GLOSSY,
+    });
+    ensure(m.kind <= material::SHEET || told, Rule::MaterialNeeds)
 }
 
 fn known_flags(kind: u32) -> u32 {
