@@ -152,6 +152,15 @@
 // Flag: the value is the alpha channel.
 #define ETD_ALPHA 8
 
+// Paths carry wavelengths where a material disperses or a texture is a spectrum; otherwise red, green and blue. As at first.
+#define ETD_COLOR_AUTO 0
+
+// Paths carry red, green and blue; an index that disperses has three values.
+#define ETD_COLOR_RGB 1
+
+// Paths carry four wavelengths.
+#define ETD_COLOR_SPECTRAL 2
+
 // Scatters alike in all directions.
 #define ETD_PHASE_ISOTROPIC 0
 
@@ -604,6 +613,10 @@ EtdStatus etd_builder_add_material(struct EtdBuilder *builder,
 EtdStatus etd_builder_set_material(struct EtdBuilder *builder,
                                    uint32_t id,
                                    const struct EtdMaterial *material);
+
+// Says what paths carry: `ETD_COLOR_AUTO` to `ETD_COLOR_SPECTRAL`.
+EtdStatus etd_builder_set_color(struct EtdBuilder *builder,
+                                uint32_t color);
 
 // Adds a texture and writes its id, counted from 0. Its texels are copied.
 EtdStatus etd_builder_add_texture(struct EtdBuilder *builder,

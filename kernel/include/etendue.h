@@ -427,7 +427,8 @@ EtdStatus etd_scratch_counters(struct EtdScratch *handle,
 
 // One sample of the pixel in column `x` and row `y` (from the top) into `rgb[3]`, linear RGB radiance. With n samples of each pixel,
 // pixel = (sum of what is returned + sum of splats to it)/n. The same (scene, settings, x, y, `sample`) always gives the same bits.
-// `hooks` may be null.
+// `hooks` may be null. Where paths carry wavelengths (bit 14 of `needs`), a channel of one sample may be negative, here and in the functions
+// below: one wavelength is beyond the gamut of any red, green and blue.
 EtdStatus etd_estimate_pixel(const struct EtdScene *scene,
                              const struct EtdSettings *with,
                              const struct EtdHooks *hooks,

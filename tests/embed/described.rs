@@ -5,8 +5,8 @@ use etendue::capi::status::{ETD_E_ARGUMENT, ETD_OK};
 use etendue_host::compile::compile;
 use etendue_host::description::{
     Color, ColorSource, Description, Emitter, EmitterKind, Filter, Geometry, Grid, GridValues,
-    Grids, Image, Lobe, Material, Medium, Mesh, Model, Pattern, Phase, Place, Projection, Sensor,
-    Shape, Texels, Texture, Tracking, Wrap,
+    Grids, Image, Index, Lobe, Material, Medium, Mesh, Model, Pattern, Phase, Place, Projection,
+    Sensor, Shape, Texels, Texture, Tracking, Wrap,
 };
 use etendue_host_capi::blob::{EtdBlob, etd_blob_free};
 use etendue_host_capi::builder::*;
@@ -198,6 +198,20 @@ fn textures_and_materials() {
             specular_transmittance: constant(b),
             diffuse_reflectance: constant(c),
             diffuse_transmittance: constant(e),
+        },
+    );
+    material(
+        ETD_DISPERSIVE,
+        none,
+        Model::Dispersive {
+            index: Index::Sellmeier {
+                b: [0.5, 1.0, 1.5],
+                c: [2.0, 3.0, 0.0],
+            },
+            outside: 1.25,
+            reflectance: constant(a),
+            transmittance: constant(b),
+            schlick: false,
         },
     );
     // Objects that use them.

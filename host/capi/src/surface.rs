@@ -6,8 +6,8 @@ use crate::builder::{ETD_NONE, EtdBuilder, edit};
 use crate::described::Described;
 use etendue::capi::status::{ETD_E_ARGUMENT, ETD_E_SIZE, EtdStatus};
 use etendue_host::description::{
-    Color, ColorSource, Distribution, Facets, Image, Index, Masking, Material, Model, Pattern,
-    Texels, Texture, Wrap,
+    Carry, Color, ColorSource, Distribution, Facets, Image, Index, Masking, Material, Model,
+    Pattern, Texels, Texture, Wrap,
 };
 use std::ffi::c_void;
 
@@ -134,6 +134,13 @@ unsafe impl Sized32 for EtdMaterial {}
 // SAFETY: repr(C), the size first, numbers and a pointer only.
 unsafe impl Sized32 for EtdTexture {}
 
+/// Paths carry wavelengths where a material disperses or a texture is a spectrum; otherwise red, green and blue. As at first.
+pub const ETD_COLOR_AUTO: u32 = 0;
+/// Paths carry red, green and blue; an index that disperses has three values.
+pub const ETD_COLOR_RGB: u32 = 1;
+/// Paths carry four wavelengths.
+pub const ETD_COLOR_SPECTRAL: u32 = 2;
+
 pub(crate) fn finite(values: &[f32]) -> bool {
     values.iter().all(|x| x.is_finite())
 }
@@ -218,6 +225,20 @@ pub unsafe extern "C" fn etd_builder_set_material(
             Some(place) => place.model = model,
             None => return Err(bad(format!("material {id}: there are {count}"))),
         }
+        Ok(())
+    })
+}
+
+/// Says what paths carry: `ETD_COLOR_AUTO` to `ETD_COLOR_SPECTRAL`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_builder_set_color(builder: *mut EtdBuilder, color: u32) -> EtdStatus {
+    edit(builder, |scene| {
+        scene.carry = match color {
+            ETD_COLOR_AUTO => Carry::AsNeeded,
+            ETD_COLOR_RGB => Carry::Rgb,
+            ETD_COLOR_SPECTRAL => Carry::Wavelengths,
+            _ => return Err(bad("color: unknown")),
+        };
         Ok(())
     })
 }

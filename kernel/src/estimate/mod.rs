@@ -232,30 +232,63 @@ pub fn estimate_with<T: Tracer, P: Sampler>(
     scratch: &mut ScratchView<'_>,
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
-    macro_rules! by {
-        ($instance:ty, $light:expr) => {{
-            let workspace = &mut Workspace {
+    let (links, sensor, counters) = (
+        &mut *scratch.links,
+        &mut *scratch.sensor,
+        &mut *scratch.counters,
+    );
+    macro_rules! workspace {
+        ($light:expr) => {
+            &mut Workspace {
                 light: $light,
-                links: scratch.links,
-                sensor: scratch.sensor,
-                counters: scratch.counters,
-            };
-            let (waves, lead) = channels::<$instance, P>(sampler);
-            let scene = View::new(scene, waves);
-            let trace = Trace::<T, $instance>::new(scene, tracer, lead);
-            estimate_by(trace, settings, element, sampler, workspace, splat)
-        }};
+                links,
+                sensor,
+                counters,
+            }
+        };
     }
     match &mut scratch.light {
         #[cfg(feature = "spectral")]
-        Light::Spectral(light) => by!(Complete<Hero>, light),
+        Light::Spectral(light) => by::<T, Complete<Hero>, P>(
+            scene,
+            tracer,
+            settings,
+            element,
+            sampler,
+            workspace!(light),
+            splat,
+        ),
         #[cfg(feature = "media")]
         Light::Rgb(light) if scene.has(needs::MEDIA | needs::DISPERSION) => {
-            by!(Complete<Rgb>, light)
+            by::<T, Complete<Rgb>, P>(
+                scene,
+                tracer,
+                settings,
+                element,
+                sampler,
+                workspace!(light),
+                splat,
+            )
         }
         #[cfg(feature = "glossy")]
-        Light::Rgb(light) if scene.has(needs::GLOSSY) => by!(GlossySurfaces<Rgb>, light),
-        Light::Rgb(light) => by!(Surfaces<Rgb>, light),
+        Light::Rgb(light) if scene.has(needs::GLOSSY) => by::<T, GlossySurfaces<Rgb>, P>(
+            scene,
+            tracer,
+            settings,
+            element,
+            sampler,
+            workspace!(light),
+            splat,
+        ),
+        Light::Rgb(light) => by::<T, Surfaces<Rgb>, P>(
+            scene,
+            tracer,
+            settings,
+            element,
+            sampler,
+            workspace!(light),
+            splat,
+        ),
     }
 }
 
@@ -272,15 +305,17 @@ fn channels<K: Instance, P: Sampler>(sampler: &mut P) -> (<K::S as Spectrum>::Wa
 
 /// By one instance. Not inlined: the stack of one isn't that of all.
 #[inline(never)]
-fn estimate_by<T: Tracer, K: Instance, P: Sampler>(
-    mut trace: Trace<'_, '_, T, K>,
+fn by<T: Tracer, K: Instance, P: Sampler>(
+    scene: &Scene<'_>,
+    tracer: &T,
     settings: &Settings,
     element: &Element,
     sampler: &mut P,
     scratch: &mut Workspace<'_, K::S>,
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
-    let waves = trace.scene.waves;
+    let (waves, lead) = channels::<K, P>(sampler);
+    let mut trace = Trace::<T, K>::new(View::new(scene, waves), tracer, lead);
     let mut rejected = 0;
     let mut value: K::S = {
         #[cfg_attr(not(feature = "light"), allow(unused_variables))]

@@ -164,15 +164,16 @@ fn builders() {
                 etd_builder_add_medium(b, &u, id),
                 etd_builder_set_media(b, 0, ETD_NONE, ETD_NONE),
                 etd_builder_set_exterior(b, ETD_NONE),
+                etd_builder_set_color(b, ETD_COLOR_AUTO),
                 etd_builder_build(b, blob, null_mut()),
                 etd_builder_refit(b, blob, null_mut()),
             ]
         };
         let mut foreign = [0_u64; 64];
         let foreign: *mut EtdBuilder = foreign.as_mut_ptr().cast();
-        assert_eq!(calls(null_mut()), [ETD_E_NULL; 16]);
-        assert_eq!(calls(off(foreign)), [ETD_E_MISALIGNED; 16]);
-        assert_eq!(calls(foreign), [ETD_E_HANDLE; 16]);
+        assert_eq!(calls(null_mut()), [ETD_E_NULL; 17]);
+        assert_eq!(calls(off(foreign)), [ETD_E_MISALIGNED; 17]);
+        assert_eq!(calls(foreign), [ETD_E_HANDLE; 17]);
         assert_eq!(etd_builder_free(null_mut()), ETD_OK);
         assert_eq!(etd_builder_free(off(foreign)), ETD_E_MISALIGNED);
         assert_eq!(etd_builder_free(foreign), ETD_E_HANDLE);
@@ -209,6 +210,7 @@ fn builders() {
             ETD_E_ARGUMENT
         );
         assert_eq!(etd_builder_set_exterior(good.0, 0), ETD_E_ARGUMENT);
+        assert_eq!(etd_builder_set_color(good.0, 3), ETD_E_ARGUMENT);
         assert_eq!(etd_builder_add_medium(good.0, &u, id), ETD_OK);
         assert_eq!((*id, etd_builder_set_exterior(good.0, 0)), (0, ETD_OK));
         assert_eq!(etd_builder_set_media(good.0, 1, 0, 0), ETD_E_ARGUMENT);
