@@ -146,7 +146,7 @@ unsafe extern "C" fn occluded(user: *mut c_void, _ray: *const EtdRay) -> i32 {
 unsafe extern "C" fn random(user: *mut c_void, subpath: u32, vertex: u32, purpose: u32) -> f32 {
     // SAFETY: what `hooks` gave.
     let recorder = unsafe { of(user) };
-    recorder.wrong |= subpath > 1 || purpose > 9;
+    recorder.wrong |= subpath > 1 || purpose > 11;
     recorder.hear(vertex);
     recorder.float()
 }
