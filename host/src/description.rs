@@ -2,8 +2,10 @@
 //! names kept for messages.
 
 mod media;
+mod spectrum;
 
 pub use media::{Grid, GridValues, Grids, Lobe, Medium, Phase, Tracking};
+pub use spectrum::{Carry, Index, Spectrum, is_spectrum};
 
 use std::path::PathBuf;
 
@@ -219,9 +221,6 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Rows of (nm, value) by rising wavelength; linear between, constant beyond.
-pub type Spectrum = Vec<[f32; 2]>;
-
 /// A constant colour or a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColorSource {
@@ -238,53 +237,6 @@ pub struct Material {
     pub name: String,
     /// Which.
     pub model: Model,
-}
-
-/// An index of refraction by wavelength; λ in µm.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Index {
-    /// A + B/λ² + C/λ⁴.
-    Cauchy([f32; 3]),
-    /// n² = 1 + Σ Bᵢ·λ²/(λ² − Cᵢ).
-    Sellmeier {
-        /// Bᵢ.
-        b: [f32; 3],
-        /// Cᵢ, µm².
-        c: [f32; 3],
-    },
-    /// A table.
-    Table(Spectrum),
-}
-
-impl Index {
-    /// At a wavelength in nm.
-    pub fn at(&self, nm: f64) -> f64 {
-        let square = (nm * 1e-3).powi(2);
-        let wide = |c: &[f32; 3]| c.map(f64::from);
-        match self {
-            Self::Cauchy(c) => {
-                let [a, b, c] = wide(c);
-                a + b / square + c / (square * square)
-            }
-            Self::Sellmeier { b, c } => {
-                let terms = wide(b).into_iter().zip(wide(c));
-                (1.0 + terms.map(|(b, c)| b * square / (square - c)).sum::<f64>()).sqrt()
-            }
-            Self::Table(rows) => f64::from(crate::spectra::at(rows)(nm as f32)),
-        }
-    }
-}
-
-/// What paths carry.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Carry {
-    /// Wavelengths if the scene disperses or gives spectra, else red, green and blue.
-    #[default]
-    AsNeeded,
-    /// Red, green and blue: spectra are what they stand for, an index has three values.
-    Rgb,
-    /// Wavelengths.
-    Wavelengths,
 }
 
 /// The local models.

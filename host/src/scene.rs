@@ -24,6 +24,8 @@ pub struct Changes {
     pub width: Option<u32>,
     /// Rows.
     pub height: Option<u32>,
+    /// A factor for both, where neither is said.
+    pub scale: Option<f64>,
     /// What paths carry.
     pub carry: Carry,
 }
@@ -45,6 +47,7 @@ pub fn prepare(
 ) -> Result<Prepared, String> {
     if is_blob(path) {
         let fixed = changes.width.or(changes.height).is_some()
+            || changes.scale.is_some()
             || changes.carry != Carry::AsNeeded
             || !defines.is_empty();
         if fixed {
@@ -84,7 +87,10 @@ fn resize(d: &mut Description, size: &Changes) -> Result<(), String> {
             .max(1.0) as u32
     };
     let resolution = match (size.width, size.height) {
-        (None, None) => return Ok(()),
+        (None, None) => match size.scale {
+            Some(k) => [w, h].map(|n| (f64::from(n) * k).round().max(1.0) as u32),
+            None => return Ok(()),
+        },
         (Some(x), None) => [x, follow(x, w, h)],
         (None, Some(y)) => [follow(y, h, w), y],
         (Some(x), Some(y)) => [x, y],

@@ -11,9 +11,8 @@ pub(crate) fn append(texels: &mut Vec<u32>, rows: &[[f32; 2]]) -> [u32; 2] {
 }
 
 /// The value at a wavelength in nm.
-pub(crate) fn at(rows: &[[f32; 2]]) -> impl Fn(f32) -> f32 {
-    let words: Vec<[u32; 2]> = rows.iter().map(|row| row.map(f32::to_bits)).collect();
-    move |lambda| interpolate(&words, lambda)
+pub(crate) fn at(rows: &[[f32; 2]], nm: f32) -> f32 {
+    interpolate(bytemuck::cast_slice(rows), nm)
 }
 
 /// The nearest colour with no negative channel.
@@ -23,11 +22,10 @@ fn color(rgb: Rgb) -> Color {
 
 /// The colour of light of a spectrum; a flat one of value 1 has luminance 1.
 pub(crate) fn emitted(rows: &[[f32; 2]]) -> Color {
-    color(seen(at(rows)))
+    color(seen(|nm| at(rows, nm)))
 }
 
 /// The colour of what reflects a spectrum of white light.
 pub(crate) fn reflected(rows: &[[f32; 2]]) -> Color {
-    let share = at(rows);
-    color(seen(|lambda| share(lambda) * white(lambda))).map(|x| x.min(1.0))
+    color(seen(|nm| at(rows, nm) * white(nm))).map(|x| x.min(1.0))
 }

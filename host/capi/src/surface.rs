@@ -7,7 +7,7 @@ use crate::described::Described;
 use etendue::capi::status::{ETD_E_ARGUMENT, ETD_E_SIZE, EtdStatus};
 use etendue_host::description::{
     Carry, Color, ColorSource, Distribution, Facets, Image, Index, Masking, Material, Model,
-    Pattern, Texels, Texture, Wrap,
+    Pattern, Texels, Texture, Wrap, is_spectrum,
 };
 use std::ffi::c_void;
 
@@ -295,9 +295,7 @@ fn pattern(t: &EtdTexture) -> Result<Pattern, Trouble> {
     }
     if t.kind == ETD_SPECTRUM {
         let rows = slice(t.texels.cast::<[f32; 2]>(), count)?;
-        let rising = rows.windows(2).all(|w| w[0][0] < w[1][0]);
-        let fine = |[nm, value]: &[f32; 2]| (1.0..1e6).contains(nm) && (0.0..=1.0).contains(value);
-        if t.height != 1 || t.flags != 0 || !rising || !rows.iter().all(fine) {
+        if t.height != 1 || t.flags != 0 || !is_spectrum(rows, 1.0) {
             return Err(bad(
                 "texture: a spectrum has height 1, no flags, and rows by rising wavelength, values 0 to 1",
             ));
@@ -395,8 +393,7 @@ fn dispersive(
         Index::Sellmeier { b: m.eta, c: m.k }
     };
     let coefficients = m.eta.iter().chain(&m.k).all(|x| (0.0..=1e6).contains(x));
-    let seen = |nm: i32| (0.1..=100.0).contains(&(index.at(nm.into()) / f64::from(m.ior)));
-    if !(coefficients && (0.01..=100.0).contains(&m.ior) && (380..=780).all(seen)) {
+    if !(coefficients && (0.01..=100.0).contains(&m.ior) && index.is_visible(m.ior)) {
         return Err(bad(
             "material: eta and k must be 0 to 1e6, and the index 0.1 to 100 from 380 to 780 nm",
         ));

@@ -1,7 +1,8 @@
 //! `etendue bake`.
 
 use super::how::How;
-use super::{ColorName, Failure, define, print, warn};
+use super::reading::Reading;
+use super::{Failure, print, warn};
 use crate::compile::compile;
 use crate::description::{Description, Geometry, Mesh, Shape};
 use crate::develop::{Curve, Linear, Output, Tone, write};
@@ -51,12 +52,8 @@ pub struct Bake {
     /// Threads; the map doesn't depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     threads: Option<u32>,
-    /// Value for $NAME in the scene; may be repeated
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
-    define: Vec<(String, String)>,
-    /// What paths carry; the default is wavelengths where the scene disperses or gives spectra
-    #[arg(long, value_enum, default_value_t = ColorName::Auto)]
-    color: ColorName,
+    #[command(flatten)]
+    reading: Reading,
     /// End with one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -80,12 +77,12 @@ impl Bake {
             )
             .into());
         }
-        let loaded = load::load(&self.scene, &self.define).map_err(|e| e.to_string())?;
+        let loaded = load::load(&self.scene, &self.reading.define).map_err(|e| e.to_string())?;
         if !self.quiet {
             warn(&loaded.warnings);
         }
         let mut description = loaded.description;
-        description.carry = self.color.changes().carry;
+        description.carry = self.reading.carry();
         let (shape, mesh) = self.mesh(&description)?;
         let blob = compile(&description)
             .map_err(|e| e.in_file(&self.scene).to_string())?

@@ -1,6 +1,7 @@
 //! `etendue compile`.
 
-use super::{ColorName, Failure, define, warn};
+use super::reading::Reading;
+use super::{Failure, warn};
 use crate::develop::{check_writable, write_files};
 use crate::scene::{is_blob, prepare};
 use std::path::PathBuf;
@@ -13,12 +14,8 @@ pub struct Compile {
     /// Blob to write (.etd)
     #[arg(short, long = "output", value_name = "OUT")]
     output: PathBuf,
-    /// Value for $NAME in the scene; may be repeated
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
-    define: Vec<(String, String)>,
-    /// What paths carry; the default is wavelengths where the scene disperses or gives spectra
-    #[arg(long, value_enum, default_value_t = ColorName::Auto)]
-    color: ColorName,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 impl Compile {
@@ -31,7 +28,7 @@ impl Compile {
             .into());
         }
         check_writable(&self.output)?;
-        let prepared = prepare(&self.scene, &self.define, self.color.changes())?;
+        let prepared = prepare(&self.scene, &self.reading.define, self.reading.changes())?;
         warn(&prepared.warnings);
         write_files(&[(&self.output, prepared.blob.bytes())])?;
         eprintln!(

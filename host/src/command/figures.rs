@@ -2,7 +2,7 @@
 
 mod manifest;
 
-use super::render::{DEFAULT_SAMPLES, catch_interrupt};
+use super::render::{DEFAULT_SAMPLES, catch_interrupt, losses};
 use super::{Failure, warn};
 use crate::develop::{AS_IT_IS, Format, Linear, Output, Picture, sheet, write};
 use crate::render::{Budget, Device, Options, Rendered, render};
@@ -114,19 +114,11 @@ impl Figures {
     fn prepare(&self, entry: Entry, manifest: &Path, number: usize) -> Result<Ready, String> {
         let panel = &entry.panel;
         let path = manifest.with_file_name(&panel.scene);
-        let mut prepared = prepare(&path, &panel.define, panel.color.changes())?;
-        if self.scale != 1.0 {
-            let [width, height] = open(&prepared)?.size().map(|n| {
-                let scaled = (f64::from(n) * self.scale).round().max(1.0);
-                Some(scaled as u32)
-            });
-            let changes = Changes {
-                width,
-                height,
-                ..panel.color.changes()
-            };
-            prepared = prepare(&path, &panel.define, changes)?;
-        }
+        let changes = Changes {
+            scale: (self.scale != 1.0).then_some(self.scale),
+            ..panel.reading.changes()
+        };
+        let prepared = prepare(&path, &panel.reading.define, changes)?;
         if !self.quiet {
             warn(&prepared.warnings);
         }
@@ -202,17 +194,6 @@ fn report(scene: &Path, r: &Rendered, [number, all]: [usize; 2]) {
         "{number}/{all} {scene}: {} × {}, {} samples per pixel in {:.1} s",
         r.size[0], r.size[1], r.passes, r.seconds
     );
-    let lost = r.counters.rejected + r.refused.saturated + r.refused.invalid;
-    if lost > 0 {
-        eprintln!(
-            "warning: {scene}: {lost} values were left out: not finite, negative or too large"
-        );
-    }
-    if r.counters.cut_walks > 0 {
-        let steps = etendue::path::MAX_STEPS;
-        eprintln!(
-            "warning: {scene}: {} walks were cut at {steps} steps",
-            r.counters.cut_walks
-        );
-    }
+    let losses: Vec<_> = losses(r).iter().map(|l| format!("{scene}: {l}")).collect();
+    warn(&losses);
 }

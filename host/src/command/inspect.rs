@@ -1,6 +1,7 @@
 //! `etendue inspect`.
 
-use super::{ColorName, Failure, define, print, warn};
+use super::reading::Reading;
+use super::{Failure, print, warn};
 use crate::scene::prepare;
 use etendue::Scene;
 use etendue::blob::format::{
@@ -14,17 +15,13 @@ use std::path::PathBuf;
 pub struct Inspect {
     /// Mitsuba 3 scene (.xml) or compiled blob (.etd)
     pub(super) scene: PathBuf,
-    /// Value for $NAME in the scene; may be repeated
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
-    define: Vec<(String, String)>,
-    /// What paths carry; the default is wavelengths where the scene disperses or gives spectra
-    #[arg(long, value_enum, default_value_t = ColorName::Auto)]
-    color: ColorName,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 impl Inspect {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let prepared = prepare(&self.scene, &self.define, self.color.changes())?;
+        let prepared = prepare(&self.scene, &self.reading.define, self.reading.changes())?;
         warn(&prepared.warnings);
         let bytes = prepared.blob.bytes();
         let scene = Scene::open(bytes).map_err(|e| e.to_string())?;

@@ -1,8 +1,6 @@
 //! The program's commands, one file each.
 
-use crate::description::Carry;
 use crate::memory::about;
-use crate::scene::Changes;
 use std::io::Write;
 
 mod bake;
@@ -11,6 +9,7 @@ mod compile;
 mod figures;
 mod how;
 mod inspect;
+mod reading;
 mod render;
 mod screen;
 
@@ -74,39 +73,6 @@ impl Command {
             Self::Compare(c) => c.run(),
             Self::Figures(c) => c.run(),
         }
-    }
-}
-
-/// What paths carry.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum ColorName {
-    /// wavelengths where the scene needs them, else red, green and blue
-    Auto,
-    /// red, green and blue; an index that disperses has three values
-    Rgb,
-    /// four wavelengths
-    Spectral,
-}
-
-impl ColorName {
-    /// As a change to a scene.
-    fn changes(self) -> Changes {
-        Changes {
-            carry: match self {
-                Self::Auto => Carry::AsNeeded,
-                Self::Rgb => Carry::Rgb,
-                Self::Spectral => Carry::Wavelengths,
-            },
-            ..Changes::default()
-        }
-    }
-}
-
-/// `NAME=VALUE`.
-fn define(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((name, value)) if !name.is_empty() => Ok((name.into(), value.into())),
-        _ => Err("expected NAME=VALUE".into()),
     }
 }
 

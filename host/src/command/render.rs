@@ -1,8 +1,9 @@
 //! `etendue render`.
 
 use super::how::How;
+use super::reading::Reading;
 use super::screen::Screen;
-use super::{ColorName, Failure, define, print, warn};
+use super::{Failure, print, warn};
 use crate::develop::{Linear, Output, write};
 use crate::render::{Budget, Device, Options, Progress, Rendered, render};
 use crate::scene::{Changes, prepare};
@@ -43,12 +44,8 @@ pub struct Render {
     /// What renders; the image doesn't depend on it
     #[arg(long, value_enum, default_value_t = DeviceName::Cpu)]
     device: DeviceName,
-    /// Value for $NAME in the scene; may be repeated
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
-    define: Vec<(String, String)>,
-    /// What paths carry; the default is wavelengths where the scene disperses or gives spectra
-    #[arg(long, value_enum, default_value_t = ColorName::Auto)]
-    color: ColorName,
+    #[command(flatten)]
+    reading: Reading,
     /// Columns of the image; with --width alone the shape is kept, with both the field of view across
     #[arg(long, value_name = "W")]
     width: Option<u32>,
@@ -105,9 +102,9 @@ impl Render {
         let size = Changes {
             width: self.width,
             height: self.height,
-            ..self.color.changes()
+            ..self.reading.changes()
         };
-        let prepared = prepare(&self.scene, &self.define, size)?;
+        let prepared = prepare(&self.scene, &self.reading.define, size)?;
         if !self.quiet {
             warn(&prepared.warnings);
         }
@@ -163,7 +160,6 @@ impl Render {
         let mean: [f64; 3] = std::array::from_fn(|c| {
             r.image.iter().map(|p| f64::from(p[c])).sum::<f64>() / r.image.len() as f64
         });
-        let lost = r.counters.rejected + r.refused.saturated + r.refused.invalid;
         if self.json {
             let object = serde_json::json!({
                 "width": r.size[0],
@@ -200,20 +196,27 @@ impl Render {
                 per_second(rays) * 1e-6
             );
         }
-        if lost > 0 && !self.quiet {
-            eprintln!(
-                "warning: {lost} values were not finite, negative or too large, and were left out"
-            );
-        }
-        if r.counters.cut_walks > 0 && !self.quiet {
-            eprintln!(
-                "warning: {} walks were cut at {} steps",
-                r.counters.cut_walks,
-                etendue::path::MAX_STEPS
-            );
+        if !self.quiet {
+            warn(&losses(r));
         }
         Ok(())
     }
+}
+
+/// What a render had to leave out, in words.
+pub(super) fn losses(r: &Rendered) -> Vec<String> {
+    let mut all = Vec::new();
+    let lost = r.counters.rejected + r.refused.saturated + r.refused.invalid;
+    if lost > 0 {
+        all.push(format!(
+            "{lost} values were not finite, negative or too large, and were left out"
+        ));
+    }
+    let (cut, steps) = (r.counters.cut_walks, etendue::path::MAX_STEPS);
+    if cut > 0 {
+        all.push(format!("{cut} walks were cut at {steps} steps"));
+    }
+    all
 }
 
 /// The first Ctrl-C ends the render after its pass; the second ends the program.

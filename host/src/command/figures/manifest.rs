@@ -2,8 +2,8 @@
 //! then ` | ` and a caption. An empty line begins a new row, `#` a comment.
 
 use super::super::how::How;
+use super::super::reading::Reading;
 use super::super::screen::Screen;
-use super::super::{ColorName, define};
 use crate::develop::can_write;
 use clap::Parser;
 use std::path::{Path, PathBuf};
@@ -19,12 +19,8 @@ pub struct Panel {
     /// Samples per pixel
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     pub spp: Option<u64>,
-    /// Value for $NAME in the scene
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
-    pub define: Vec<(String, String)>,
-    /// What paths carry
-    #[arg(long, value_enum, default_value_t = ColorName::Auto)]
-    pub color: ColorName,
+    #[command(flatten)]
+    pub reading: Reading,
     #[command(flatten)]
     pub screen: Screen,
 }

@@ -128,7 +128,7 @@ impl Loader<'_> {
                 let schlick = plugin.boolean("schlick")?.unwrap_or(false);
                 let ior = inside / outside;
                 if let Some(text) = plugin.string("dispersion")? {
-                    let index = dispersion(plugin, text)?;
+                    let index = dispersion(plugin, text, outside)?;
                     let model = Model::Dispersive {
                         index,
                         outside,
@@ -360,7 +360,7 @@ pub fn at_most_one(plugin: &Plugin, parts: &[ColorSource], what: &str) -> Result
 
 /// Our own: how the index inside depends on wavelength, in place of `int_ior`. `cauchy A B [C]` and `sellmeier B1 B2 B3 C1 C2 C3` (λ in µm),
 /// `table NM:N …`, or a glass by name.
-fn dispersion(plugin: &Plugin, text: &str) -> Result<Index, LoadError> {
+fn dispersion(plugin: &Plugin, text: &str, outside: f32) -> Result<Index, LoadError> {
     let wrong = || {
         let expected = "cauchy A B [C], sellmeier B1 B2 B3 C1 C2 C3, table NM:N …, bk7, sf11 or fused silica, an index from 0.1 to 100 at 380 to 780 nm";
         plugin.invalid("dispersion", expected, format!("\"{text}\""))
@@ -390,9 +390,7 @@ fn dispersion(plugin: &Plugin, text: &str) -> Result<Index, LoadError> {
         ("table", _) => Index::Table(table(rest).filter(|t| t.len() <= 256).ok_or_else(wrong)?),
         _ => return Err(wrong()),
     };
-    let seen = |nm: f64| (0.1..=100.0).contains(&index.at(nm));
-    let mut visible = (380..=780).map(f64::from);
-    if visible.all(seen) {
+    if index.is_visible(outside) {
         Ok(index)
     } else {
         Err(wrong())

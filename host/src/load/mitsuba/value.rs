@@ -1,7 +1,7 @@
 //! Numbers, vectors and colours from text.
 
 use super::node::Node;
-use crate::description::{Color, Spectrum};
+use crate::description::{Color, Spectrum, is_spectrum};
 use crate::load::bitmap::srgb_to_linear;
 use crate::load::error::{LoadError, Problem};
 
@@ -90,9 +90,7 @@ pub fn table(text: &str) -> Option<Spectrum> {
         .split([',', ' ', '\t', '\n', '\r'])
         .filter(|p| !p.is_empty());
     let rows: Spectrum = pairs.map(pair).collect::<Option<_>>()?;
-    let rising = rows.windows(2).all(|w| w[0][0] < w[1][0]);
-    let fine = |&[nm, value]: &[f32; 2]| (1.0..1e6).contains(&nm) && (0.0..=1e30).contains(&value);
-    (!rows.is_empty() && rising && rows.iter().all(fine)).then_some(rows)
+    is_spectrum(&rows, 1e30).then_some(rows)
 }
 
 /// The colour that an element says, each channel ≥ 0.
