@@ -64,7 +64,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     own
 }
 
-/// x₀ and the walk's first direction.
+/// x₀ and the walk's first direction. Once a walk: not worth a copy in each estimator.
 #[inline(never)]
 pub(super) fn emit<T: Tracer, K: Instance, P: Sampler>(
     trace: &mut Trace<'_, '_, T, K>,
@@ -102,7 +102,7 @@ pub(super) struct Seen<S> {
     pub reverse: Real,
 }
 
-/// Joins the light itself to the sensor (s = 1).
+/// Joins the light itself to the sensor (s = 1). Once a walk, as [`emit`].
 #[inline(never)]
 pub(super) fn see_light<T: Tracer, K: Instance, P: Sampler>(
     trace: &mut Trace<'_, '_, T, K>,

@@ -232,63 +232,27 @@ pub fn estimate_with<T: Tracer, P: Sampler>(
     scratch: &mut ScratchView<'_>,
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
-    let (links, sensor, counters) = (
-        &mut *scratch.links,
-        &mut *scratch.sensor,
-        &mut *scratch.counters,
-    );
-    macro_rules! workspace {
-        ($light:expr) => {
-            &mut Workspace {
+    macro_rules! by {
+        ($instance:ty, $light:expr) => {{
+            let workspace = &mut Workspace {
                 light: $light,
-                links,
-                sensor,
-                counters,
-            }
-        };
+                links: scratch.links,
+                sensor: scratch.sensor,
+                counters: scratch.counters,
+            };
+            by::<T, $instance, P>(scene, tracer, settings, element, sampler, workspace, splat)
+        }};
     }
     match &mut scratch.light {
         #[cfg(feature = "spectral")]
-        Light::Spectral(light) => by::<T, Complete<Hero>, P>(
-            scene,
-            tracer,
-            settings,
-            element,
-            sampler,
-            workspace!(light),
-            splat,
-        ),
+        Light::Spectral(light) => by!(Complete<Hero>, light),
         #[cfg(feature = "media")]
         Light::Rgb(light) if scene.has(needs::MEDIA | needs::DISPERSION) => {
-            by::<T, Complete<Rgb>, P>(
-                scene,
-                tracer,
-                settings,
-                element,
-                sampler,
-                workspace!(light),
-                splat,
-            )
+            by!(Complete<Rgb>, light)
         }
         #[cfg(feature = "glossy")]
-        Light::Rgb(light) if scene.has(needs::GLOSSY) => by::<T, GlossySurfaces<Rgb>, P>(
-            scene,
-            tracer,
-            settings,
-            element,
-            sampler,
-            workspace!(light),
-            splat,
-        ),
-        Light::Rgb(light) => by::<T, Surfaces<Rgb>, P>(
-            scene,
-            tracer,
-            settings,
-            element,
-            sampler,
-            workspace!(light),
-            splat,
-        ),
+        Light::Rgb(light) if scene.has(needs::GLOSSY) => by!(GlossySurfaces<Rgb>, light),
+        Light::Rgb(light) => by!(Surfaces<Rgb>, light),
     }
 }
 

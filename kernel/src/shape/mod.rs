@@ -12,11 +12,13 @@ mod point;
 mod ray;
 mod slab;
 mod sphere;
+mod tree;
 mod triangle;
 
-pub use bvh::{Bvh, Tree, vertices};
+pub use bvh::{Bvh, vertices};
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "f64")))]
 pub use isa::{Avx2, Sse2};
 pub use isa::{Instructions, Isa, IsaKind, Scalar};
 pub use point::{Point, sphere_offset, triangle_normal, triangle_offset, unit_or_z};
 pub use ray::{Hit, Ray, Tracer};
+pub use tree::Tree;

@@ -38,40 +38,31 @@ impl Waves {
     /// The four that belong to ξ.
     fn new(xi: Real) -> Self {
         let (low, high) = (logistic(FIRST), logistic(LAST));
-        let mut waves = Self {
-            lambda: [0.0; N],
-            basis: [[0.0; N]; 3],
-            white: [0.0; N],
-            rgb: [[0.0; N]; 3],
-        };
-        for i in 0..N {
+        let drawn: [_; N] = core::array::from_fn(|i| {
             let u = xi + i as Real * (1.0 / N as Real);
             let u = if u < 1.0 { u } else { u - 1.0 };
             let f = low + u * (high - low);
             let lambda = (MIDDLE + WIDTH * log(f / (1.0 - f))).clamp(FIRST, LAST);
             let density = f * (1.0 - f) / (WIDTH * (high - low));
-            waves.set(i, lambda, 1.0 / (N as Real * density));
+            (lambda, Wave::at(lambda), 1.0 / (N as Real * density))
+        });
+        Self {
+            lambda: drawn.map(|(lambda, ..)| lambda),
+            basis: columns(drawn.map(|(_, wave, _)| wave.basis)),
+            white: drawn.map(|(_, wave, _)| wave.white),
+            rgb: columns(drawn.map(|(_, wave, share)| wave.rgb.map(|x| x * share))),
         }
-        waves
     }
+}
 
-    #[inline(always)]
-    fn set(&mut self, i: usize, lambda: Real, share: Real) {
-        let wave = Wave::at(lambda);
-        let put = |to: &mut [Real; N], x: Real| {
-            if let Some(to) = to.get_mut(i) {
-                *to = x;
-            }
-        };
-        put(&mut self.lambda, lambda);
-        put(&mut self.white, wave.white);
-        for (to, x) in self.basis.iter_mut().zip(wave.basis) {
-            put(to, x);
-        }
-        for (to, x) in self.rgb.iter_mut().zip(wave.rgb) {
-            put(to, x * share);
-        }
-    }
+/// Rows by wavelength as columns.
+#[inline(always)]
+fn columns(rows: [[Real; 3]; N]) -> [[Real; N]; 3] {
+    [
+        rows.map(|[x, _, _]| x),
+        rows.map(|[_, y, _]| y),
+        rows.map(|[_, _, z]| z),
+    ]
 }
 
 impl Spectrum for Hero {

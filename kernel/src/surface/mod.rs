@@ -201,6 +201,7 @@ impl<S: Spectrum> Surface<S> {
 
     /// The model of a blob's material at (u, v).
     #[inline(always)]
+    #[cfg_attr(not(feature = "glossy"), allow(unused_variables))]
     #[allow(clippy::unnecessary_cast)] // not unnecessary in the double-precision package
     pub fn resolve<K: Instance<S = S>>(
         m: &Material,
@@ -209,7 +210,6 @@ impl<S: Spectrum> Surface<S> {
         lead: usize,
         uv: [Real; 2],
     ) -> Self {
-        let _ = lead;
         let color = |role: usize| color(m, role, textures, waves, uv);
         match m.kind {
             material::DIFFUSE => Self::Diffuse(Diffuse {

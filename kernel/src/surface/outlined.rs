@@ -39,8 +39,8 @@ pub enum Outlined<S> {
 
 /// Calls the model's own function.
 macro_rules! each {
-    ($glossy:expr, $model:ident => $call:expr) => {
-        match $glossy {
+    ($outlined:expr, $model:ident => $call:expr) => {
+        match $outlined {
             Outlined::Phong($model) => $call,
             Outlined::RoughConductor($model) => $call,
             Outlined::RoughDielectric($model) => $call,
@@ -56,6 +56,7 @@ impl<S: Spectrum> Outlined<S> {
     /// The model of a blob's material at (u, v); its kind is one of those above [`material::SHEET`]. A blend is one of its parts by now
     /// ([`super::chosen`]).
     #[inline(never)]
+    #[cfg_attr(not(feature = "spectral"), allow(unused_variables))]
     #[allow(clippy::unnecessary_cast)] // not unnecessary in the double-precision package
     pub fn resolve(
         m: &Material,
@@ -64,7 +65,6 @@ impl<S: Spectrum> Outlined<S> {
         lead: usize,
         uv: [Real; 2],
     ) -> Self {
-        let _ = lead;
         let color = |role: usize| color(m, role, textures, waves, uv);
         let ior = m.ior as Real;
         let [first, second] = m.link;
@@ -174,6 +174,12 @@ pub(super) fn drawn<S: Spectrum>(
         eta_scale,
         chances: S::WHITE,
     })
+}
+
+/// The indices on the side of `w` and on the other, of a boundary with `ior` inside over outside.
+#[inline(always)]
+fn indices(ior: Real, w: Vec3) -> (Real, Real) {
+    if w.z < 0.0 { (ior, 1.0) } else { (1.0, ior) }
 }
 
 /// What is left of ξ ∈ [low, low + p) is a fresh number.

@@ -7,7 +7,7 @@
 //! nothing is if the lobes have Fresnel's shares, which depend on ω_i: then it isn't reciprocal, only energy is conserved.
 //! As n → ∞ the lobes become those of the smooth dielectric, (η_o/η_i)² included.
 
-use super::{drawn, fresh};
+use super::{drawn, fresh, indices};
 use crate::real::{PI, Real, Vec3, cos, exp, expm1, log, log1p, safe_sqrt, sin, square, tangents};
 use crate::spectrum::Spectrum;
 use crate::surface::{Diffuse, Local, Mode, Scatter, fresnel, reflect, same_side};
@@ -45,27 +45,19 @@ struct Refracted {
 }
 
 impl<S: Spectrum> Phong<S> {
-    fn indices(&self, w: Vec3) -> (Real, Real) {
-        if w.z < 0.0 {
-            (self.ior, 1.0)
-        } else {
-            (1.0, self.ior)
-        }
-    }
-
     /// Shares of reflection and refraction of light from `wi`.
     fn shares(&self, wi: Vec3) -> (Real, Real) {
         if !self.fresnel {
             return (1.0, 1.0);
         }
-        let (here, there) = self.indices(wi);
+        let (here, there) = indices(self.ior, wi);
         let boundary = fresnel::dielectric(here, there, wi.z.abs().min(1.0));
         (boundary.reflected, boundary.transmitted)
     }
 
     /// Light from `w`, refracted; `None` if it is reflected totally.
     fn refracted(&self, w: Vec3) -> Option<Refracted> {
-        let (here, there) = self.indices(w);
+        let (here, there) = indices(self.ior, w);
         let cos_t = fresnel::dielectric(here, there, w.z.abs().min(1.0)).cos_t;
         let back = here / there;
         let direction = Vec3::new(-w.x * back, -w.y * back, -cos_t.copysign(w.z));
@@ -168,7 +160,7 @@ impl<S: Spectrum> Local<S> for Phong<S> {
                         return None;
                     }
                     let it = self.refracted(about)?;
-                    let (here, there) = self.indices(w);
+                    let (here, there) = indices(self.ior, w);
                     eta_scale = square(here / there);
                     it.direction
                 }

@@ -10,7 +10,7 @@
 //! It is the one that conserves energy (to 1.5 %, the curves' precision; conductors to 1 %), is symmetric but for η_o² and has the shape of
 //! Kulla & Conty 2017.
 
-use super::{drawn, fresh, on_side_of, upper};
+use super::{drawn, fresh, indices, on_side_of, upper};
 use crate::real::{INV_PI, Real, Vec3, sqrt, square};
 use crate::spectrum::Spectrum;
 use crate::surface::curve::Curve;
@@ -44,18 +44,9 @@ struct Refraction {
 }
 
 impl<S: Spectrum> RoughDielectric<S> {
-    /// Indices on the side of `w` and on the other.
-    fn indices(&self, w: Vec3) -> (Real, Real) {
-        if w.z < 0.0 {
-            (self.ior, 1.0)
-        } else {
-            (1.0, self.ior)
-        }
-    }
-
     /// The facet between `w` and `x` on two sides; its normal is on the upper side of a frame where w is.
     fn refraction(&self, w: Vec3, x: Vec3) -> Option<Refraction> {
-        let (here, there) = self.indices(w);
+        let (here, there) = indices(self.ior, w);
         let (w, x) = (upper(w), Vec3::new(x.x, x.y, -x.z.abs()));
         let sum = w * here + x * there;
         let length = sqrt(sum.dot(sum));
@@ -107,7 +98,7 @@ impl<S: Spectrum> RoughDielectric<S> {
 impl<S: Spectrum> Local<S> for RoughDielectric<S> {
     #[inline(never)]
     fn eval(&self, wo: Vec3, wi: Vec3) -> S {
-        let (here, there) = self.indices(wo);
+        let (here, there) = indices(self.ior, wo);
         let same = same_side(wo, wi);
         let color = if same {
             self.reflectance
@@ -135,7 +126,7 @@ impl<S: Spectrum> Local<S> for RoughDielectric<S> {
 
     #[inline(never)]
     fn pdf(&self, w: Vec3, wi: Vec3, _: Mode) -> Real {
-        let (here, there) = self.indices(w);
+        let (here, there) = indices(self.ior, w);
         let same = same_side(w, wi);
         let single = if same {
             let (w, wi) = (upper(w), upper(wi));
@@ -162,7 +153,7 @@ impl<S: Spectrum> Local<S> for RoughDielectric<S> {
 
     #[inline(never)]
     fn sample(&self, w: Vec3, mode: Mode, lobe: Real, xi: [Real; 2]) -> Option<Scatter<S>> {
-        let (here, there) = self.indices(w);
+        let (here, there) = indices(self.ior, w);
         let side = upper(w);
         let second = if self.is_compensated() {
             self.loss_of(w)
