@@ -51,7 +51,6 @@ macro_rules! renderer {
         pub mod $name {
             use super::Estimate;
             use $kernel::estimate::ScratchView;
-            use $kernel::random::Pcg;
             use $kernel::real::Vec3;
             use $kernel::sensor::Element;
             use $kernel::{Rgb, Scene, Scratch, Settings};
@@ -66,7 +65,7 @@ macro_rules! renderer {
                 mut scratch: ScratchView<'_>,
                 splat: &mut dyn FnMut([u32; 2], Rgb),
             ) -> Rgb {
-                let sampler = &mut Pcg::new(settings.seed, id, index);
+                let sampler = &mut settings.numbers(id, index);
                 let mut splat = |pixel: [u32; 2], value: Rgb| splat(pixel, value);
                 scene.estimate_element(settings, element, sampler, &mut scratch, &mut splat)
             }

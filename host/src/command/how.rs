@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 use etendue::estimate::{LEVELS, Rule, Tree};
+use etendue::random::Sequence;
 use etendue::{Estimator, Heuristic, Settings};
 
 /// How light is estimated.
@@ -13,6 +14,12 @@ pub struct How {
     /// How strategies share a path (multiple importance sampling)
     #[arg(long, value_enum, default_value_t = HeuristicName::Power)]
     mis: HeuristicName,
+    /// Where random numbers come from
+    #[arg(long, value_enum, default_value_t = SamplerName::Independent)]
+    sampler: SamplerName,
+    /// Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1; 0: all go on
+    #[arg(long, value_name = "SHARE", default_value_t = Settings::default().roulette, value_parser = share)]
+    roulette: f32,
     /// distributed: rays that go on from a vertex, by level; paths have at most an edge more than there are levels
     #[arg(long, value_name = "N,N,…", default_value = "8,4,2,1", value_parser = branching)]
     branching: Branching,
@@ -65,6 +72,14 @@ enum HeuristicName {
     Maximum,
 }
 
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SamplerName {
+    /// independent of each other
+    Independent,
+    /// Owen-scrambled Sobol' points: the samples of a pixel spread evenly; best for 2^n samples
+    Sobol,
+}
+
 /// Rays by level.
 #[derive(Clone, Copy, Debug)]
 struct Branching([u8; LEVELS]);
@@ -95,6 +110,14 @@ fn branching(text: &str) -> Result<Branching, String> {
     Ok(Branching(levels))
 }
 
+/// A share.
+fn share(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|x| (0.0..=1.0).contains(x))
+        .ok_or_else(|| format!("expected a number from 0 to 1, found {text:?}"))
+}
+
 impl How {
     /// The kernel's settings, with what the scene's file advises on the length of paths.
     pub fn settings(&self, advised_depth: Option<u32>) -> Settings {
@@ -117,7 +140,12 @@ impl How {
                 Some(n) => u32::try_from(n).ok(),
                 None => advised_depth,
             },
+            sequence: match self.sampler {
+                SamplerName::Independent => Sequence::Independent,
+                SamplerName::Sobol => Sequence::Sobol,
+            },
             seed: self.seed,
+            roulette: self.roulette,
             tree: Tree {
                 branching: self.branching.0,
                 lights: self.light_samples,

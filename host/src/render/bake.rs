@@ -9,7 +9,7 @@ use super::crew::{Crew, each_once};
 use super::{RenderError, accept, lock};
 use crate::description::Mesh;
 use crate::memory::attempt;
-use etendue::random::{Pcg, Purpose, Sampler};
+use etendue::random::{Purpose, Sampler};
 use etendue::real::Vec3;
 use etendue::sensor::Element;
 use etendue::{Counters, Scene, Scratch, Settings};
@@ -121,7 +121,7 @@ fn irradiance(
     }
     for index in 0..how.samples {
         let id = u64::from(y) << 32 | u64::from(x);
-        let sampler = &mut Pcg::new(how.settings.seed, id, index);
+        let sampler = &mut how.settings.numbers(id, index);
         let Some((position, normal)) = point(mesh, pieces, sampler) else {
             continue;
         };

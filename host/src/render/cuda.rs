@@ -8,6 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use cudarc::driver::result::{self, module};
 use cudarc::driver::{CudaContext, CudaSlice, CudaStream, DevicePtr, DriverError, sys};
 use etendue::film::{Refused, Step, Sum};
+use etendue::random::Sequence;
 use etendue::{Counters, Estimator, Heuristic, Scene};
 use std::ffi::{CString, c_void};
 use std::io::Read;
@@ -41,6 +42,8 @@ struct Job {
     order: u32,
     steps: u32,
     depth_and_shift: u32,
+    sequence: u32,
+    roulette: f32,
 }
 
 fn failed(what: &'static str) -> impl Fn(DriverError) -> RenderError {
@@ -248,6 +251,11 @@ pub(super) fn render(
         order: settings.rule.order.into(),
         steps: settings.rule.steps.into(),
         depth_and_shift: u32::from(settings.rule.depth) | u32::from(settings.rule.shift) << 16,
+        sequence: match settings.sequence {
+            Sequence::Independent => 0,
+            Sequence::Sobol => 1,
+        },
+        roulette: settings.roulette,
     };
     let started = Instant::now();
     let budget: Budget = options.budget;

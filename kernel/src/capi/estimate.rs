@@ -96,9 +96,9 @@ impl Call<'_> {
     #[inline(never)]
     fn sample(&mut self, element: &Element, id: u64, index: u64, sink: &mut Sink<'_>) -> Rgb {
         #[cfg(feature = "capi")]
-        let mut numbers = Numbers::new(&self.hooks, self.settings.seed, id, index);
+        let mut numbers = Numbers::new(&self.hooks, &self.settings, id, index);
         #[cfg(not(feature = "capi"))]
-        let mut numbers = crate::random::Pcg::new(self.settings.seed, id, index);
+        let mut numbers = self.settings.numbers(id, index);
         let mut splat = |pixel, value| sink.take(pixel, value);
         #[cfg(feature = "capi")]
         if self.hooks.closest.is_some() {

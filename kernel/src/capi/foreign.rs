@@ -1,7 +1,8 @@
 //! The caller's own ray tracer and random numbers as the kernel's (feature `capi`, not `capi-core`).
 
 use super::hooks::{EtdHit, EtdHooks, EtdRay};
-use crate::random::{Pcg, Purpose, Sampler, Subpath};
+use crate::estimate::Settings;
+use crate::random::{self, Purpose, Sampler, Subpath};
 use crate::real::{ONE_MINUS, Real};
 use crate::shape::{Hit, Ray, Tracer};
 
@@ -53,7 +54,7 @@ impl Tracer for Foreign<'_> {
 
 /// The caller's random numbers, or ours.
 pub(super) enum Numbers<'h> {
-    Own(Pcg),
+    Own(random::Numbers),
     Foreign {
         hooks: &'h EtdHooks,
         subpath: u32,
@@ -63,7 +64,7 @@ pub(super) enum Numbers<'h> {
 
 impl<'h> Numbers<'h> {
     /// The caller's, if there are any; otherwise those of this element and sample.
-    pub(super) fn new(hooks: &'h EtdHooks, seed: u64, id: u64, index: u64) -> Self {
+    pub(super) fn new(hooks: &'h EtdHooks, settings: &Settings, id: u64, index: u64) -> Self {
         if hooks.random.is_some() {
             Numbers::Foreign {
                 hooks,
@@ -71,7 +72,7 @@ impl<'h> Numbers<'h> {
                 vertex: 0,
             }
         } else {
-            Numbers::Own(Pcg::new(seed, id, index))
+            Numbers::Own(settings.numbers(id, index))
         }
     }
 }
@@ -79,27 +80,40 @@ impl<'h> Numbers<'h> {
 impl Sampler for Numbers<'_> {
     #[inline(always)]
     fn at(&mut self, to: Subpath, index: u32) {
-        if let Numbers::Foreign {
-            subpath, vertex, ..
-        } = self
-        {
-            *subpath = match to {
-                Subpath::Sensor => 0,
-                Subpath::Light => 1,
-            };
-            *vertex = index;
+        match self {
+            Numbers::Own(numbers) => numbers.at(to, index),
+            Numbers::Foreign {
+                subpath, vertex, ..
+            } => {
+                *subpath = match to {
+                    Subpath::Sensor => 0,
+                    Subpath::Light => 1,
+                };
+                *vertex = index;
+            }
         }
     }
 
     #[inline(always)]
     fn one(&mut self, purpose: Purpose) -> Real {
         match self {
-            Numbers::Own(pcg) => pcg.one(purpose),
+            Numbers::Own(numbers) => numbers.one(purpose),
             Numbers::Foreign {
                 hooks,
                 subpath,
                 vertex,
             } => foreign(hooks, *subpath, *vertex, purpose),
+        }
+    }
+
+    #[inline(always)]
+    fn two(&mut self, purpose: Purpose) -> [Real; 2] {
+        match self {
+            Numbers::Own(numbers) => numbers.two(purpose),
+            Numbers::Foreign { .. } => {
+                let x = self.one(purpose);
+                [x, self.one(purpose)]
+            }
         }
     }
 }

@@ -4,6 +4,7 @@ use super::arguments::{Sized32, input};
 use super::status::{ETD_E_ARGUMENT, ETD_E_MISALIGNED, ETD_E_NULL, EtdStatus, status_of};
 use crate::estimate::{Estimator, Rule, Settings, Tree};
 use crate::path::Heuristic;
+use crate::random::Sequence;
 
 /// A walk from the sensor, with a light sampled at each vertex.
 pub const ETD_PATH: u32 = 0;
@@ -27,6 +28,11 @@ pub const ETD_POWER: u32 = 1;
 pub const ETD_CUTOFF: u32 = 2;
 /// The densest strategy alone.
 pub const ETD_MAXIMUM: u32 = 3;
+
+/// Independent numbers.
+pub const ETD_INDEPENDENT: u32 = 0;
+/// Owen-scrambled Sobol' points: the samples of a pixel spread evenly. Best for a power of two of samples.
+pub const ETD_SOBOL: u32 = 1;
 
 /// How to estimate. `etd_settings_default` fills it in.
 #[repr(C)]
@@ -53,6 +59,10 @@ pub struct EtdSettings {
     pub steps: u32,
     /// Quadrature: not 0: equal steps shifted at random in place of these rules, without bias.
     pub shift: u32,
+    /// `ETD_INDEPENDENT` or `ETD_SOBOL`.
+    pub sequence: u32,
+    /// Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1; 0: all go on.
+    pub roulette: f32,
 }
 
 // SAFETY: repr(C), the size first, numbers only.
@@ -82,6 +92,8 @@ pub unsafe extern "C" fn etd_settings_default(settings: *mut EtdSettings) -> Etd
                 quadrature: rule.order.into(),
                 steps: rule.steps.into(),
                 shift: rule.shift.into(),
+                sequence: ETD_INDEPENDENT,
+                roulette: Settings::default().roulette,
             });
         }
         Ok(())
@@ -126,7 +138,19 @@ pub(super) fn settings(pointer: *const EtdSettings) -> Result<Settings, EtdStatu
             -1 => None,
             n => Some(u32::try_from(n).map_err(|_| ETD_E_ARGUMENT)?),
         },
+        sequence: match s.sequence {
+            ETD_INDEPENDENT => Sequence::Independent,
+            #[cfg(feature = "sobol")]
+            ETD_SOBOL => Sequence::Sobol,
+            #[cfg(not(feature = "sobol"))]
+            ETD_SOBOL => return Err(super::status::ETD_E_UNSUPPORTED),
+            _ => return Err(ETD_E_ARGUMENT),
+        },
         seed: s.seed,
+        roulette: match s.roulette {
+            share if (0.0..=1.0).contains(&share) => share,
+            _ => return Err(ETD_E_ARGUMENT),
+        },
         tree: Tree {
             branching: s.branching,
             lights: within(s.light_samples, 1, u8::MAX.into())? as u8,

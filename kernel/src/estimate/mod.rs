@@ -34,7 +34,7 @@ use crate::instance::Complete;
 use crate::instance::GlossySurfaces;
 use crate::instance::{Instance, Surfaces};
 use crate::path::{Heuristic, Mis, Trace};
-use crate::random::{Pcg, Purpose, Sampler, Subpath};
+use crate::random::{Numbers, Purpose, Sampler, Sequence, Subpath, Work};
 use crate::real::{Real, Vec3};
 use crate::sensor::Element;
 use crate::shape::Tracer;
@@ -102,7 +102,7 @@ impl Estimator {
 }
 
 /// What is the same for all samples of a render.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// How.
     pub estimator: Estimator,
@@ -110,8 +110,12 @@ pub struct Settings {
     pub heuristic: Heuristic,
     /// The most edges of a path (1: emitters seen directly, 2: direct light, …); `None`: no limit.
     pub max_edges: Option<u32>,
+    /// Where random numbers come from.
+    pub sequence: Sequence,
     /// Selects the random numbers.
     pub seed: u64,
+    /// Walks that carry less than this share of what they began with go on by Russian roulette; 0: all go on.
+    pub roulette: Real,
     /// How [`Estimator::Distributed`] branches.
     pub tree: Tree,
     /// How fine [`Estimator::Quadrature`] is.
@@ -120,7 +124,29 @@ pub struct Settings {
     pub explicit_weights: bool,
 }
 
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            estimator: Estimator::default(),
+            heuristic: Heuristic::default(),
+            max_edges: None,
+            sequence: Sequence::default(),
+            seed: 0,
+            roulette: 0.5,
+            tree: Tree::default(),
+            rule: Rule::default(),
+            explicit_weights: false,
+        }
+    }
+}
+
 impl Settings {
+    /// The random numbers of sample `index` of the element (pixel, texel) `id`.
+    #[inline(always)]
+    pub fn numbers(&self, id: u64, index: u64) -> Numbers {
+        Numbers::new(self.sequence, self.seed, id, index)
+    }
+
     #[inline(always)]
     fn limit(&self) -> u32 {
         self.max_edges.unwrap_or(u32::MAX)
@@ -145,7 +171,7 @@ impl Scene<'_> {
         scratch: &mut Scratch<N>,
         splat: &mut impl FnMut([u32; 2], Rgb),
     ) -> Rgb {
-        let sampler = &mut Pcg::new(settings.seed, pixel_id(pixel), index);
+        let sampler = &mut settings.numbers(pixel_id(pixel), index);
         self.estimate_element(
             settings,
             &Element::Pixel(pixel),
@@ -167,7 +193,7 @@ impl Scene<'_> {
         index: u64,
         scratch: &mut Scratch<N>,
     ) -> Rgb {
-        let sampler = &mut Pcg::new(settings.seed, id, index);
+        let sampler = &mut settings.numbers(id, index);
         self.estimate_element(
             settings,
             &Element::ray(origin, direction),
@@ -189,7 +215,7 @@ impl Scene<'_> {
         scratch: &mut Scratch<N>,
     ) -> Rgb {
         let element = Element::irradiance(self, position, normal);
-        let sampler = &mut Pcg::new(settings.seed, id, index);
+        let sampler = &mut settings.numbers(id, index);
         self.estimate_element(
             settings,
             &element,
@@ -279,7 +305,7 @@ fn by<T: Tracer, K: Instance, P: Sampler>(
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
     let (waves, lead) = channels::<K, P>(sampler);
-    let mut trace = Trace::<T, K>::new(View::new(scene, waves), tracer, lead);
+    let mut trace = Trace::<T, K>::new(View::new(scene, waves), tracer, lead, settings.roulette);
     let mut rejected = 0;
     let mut value: K::S = {
         #[cfg_attr(not(feature = "light"), allow(unused_variables))]
@@ -309,13 +335,11 @@ fn by<T: Tracer, K: Instance, P: Sampler>(
                 quadrature::and_path(&mut trace, settings, element, sampler, scratch)
             }
             // No light walk meets a ray.
-            _ => path::estimate(
-                &mut trace,
+            _ => sampler.lend(ByPath {
+                trace: &mut trace,
                 settings,
                 element,
-                sampler,
-                &mut path::Everything,
-            ),
+            }),
         }
     };
     if let Element::Irradiance { position, normal } = *element
@@ -329,6 +353,27 @@ fn by<T: Tracer, K: Instance, P: Sampler>(
     trace.counters.rejected += rejected + u64::from(value.is_none());
     *scratch.counters += trace.counters;
     value.unwrap_or(Rgb::BLACK)
+}
+
+/// [`path`] for each kind of numbers: its samples are so short that choosing at every number would cost 2 %.
+struct ByPath<'w, 't, 'a, T, K: Instance> {
+    trace: &'w mut Trace<'t, 'a, T, K>,
+    settings: &'w Settings,
+    element: &'w Element,
+}
+
+impl<T: Tracer, K: Instance> Work for ByPath<'_, '_, '_, T, K> {
+    type Result = K::S;
+    #[inline(always)]
+    fn with<P: Sampler>(self, numbers: &mut P) -> K::S {
+        path::estimate(
+            self.trace,
+            self.settings,
+            self.element,
+            numbers,
+            &mut path::Everything,
+        )
+    }
 }
 
 /// The medium that a sensor walk begins in: the camera's is known; around other elements the scene is asked.

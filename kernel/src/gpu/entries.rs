@@ -6,6 +6,7 @@
 use super::sums::contribute;
 use crate::estimate::{Rule, Tree};
 use crate::film::{Refused, Step};
+use crate::random::Sequence;
 use crate::{Estimator, Heuristic, Scene, Scratch, Settings};
 use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x};
 use core::sync::atomic::{AtomicU64, Ordering};
@@ -43,6 +44,10 @@ pub struct Job {
     pub steps: u32,
     /// Its depth in the lower half, its shift in the upper.
     pub depth_and_shift: u32,
+    /// 0 independent, 1 Sobol'.
+    pub sequence: u32,
+    /// [`Settings::roulette`].
+    pub roulette: f32,
 }
 
 /// Checks the blob and writes a scene. Run by one thread. `status` becomes 1 if it is a scene, 2 if not.
@@ -118,7 +123,12 @@ pub unsafe extern "ptx-kernel" fn etd_render(
             _ => Heuristic::Maximum,
         },
         max_edges: (job.max_edges != u32::MAX).then_some(job.max_edges),
+        sequence: match job.sequence {
+            0 => Sequence::Independent,
+            _ => Sequence::Sobol,
+        },
         seed: job.seed,
+        roulette: job.roulette,
         tree: Tree {
             branching: job.branching,
             lights: job.lights as u8,

@@ -13,7 +13,7 @@ mod weight;
 pub use equiangular::Equiangular;
 pub use history::{History, HistoryView, Link};
 pub use passage::{Leg, Passage};
-pub use trace::{Counters, MAX_STEPS, Meeting, Sight, Trace, roulette};
+pub use trace::{Counters, MAX_STEPS, Meeting, Sight, Trace};
 pub use vertex::{Joint, Step, Vertex};
 pub use walk::{Arrival, Walk, connect_first, emission_terms, joined, source_facing};
 pub use weight::{CUTOFF, Heuristic, Junction, Mis, Terms};

@@ -114,6 +114,8 @@ pub struct Trace<'t, 'a, T, K: Instance> {
     pub counters: Counters,
     /// The channel whose densities distances are drawn from ([`crate::medium`]).
     pub lead: usize,
+    /// 1 over the share of its beginning below which a walk has to win its way.
+    keep: Real,
     /// Transmittance without random numbers, even where they are cheaper.
     pub exact: bool,
     /// Surfaces that may still be passed, and tentative collisions.
@@ -122,14 +124,15 @@ pub struct Trace<'t, 'a, T, K: Instance> {
 }
 
 impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
-    /// With counters at zero.
+    /// With counters at zero. Walks that carry less than the share `roulette` of what they began with go on by Russian roulette.
     #[inline(always)]
-    pub fn new(scene: View<'t, 'a, K::S>, tracer: &'t T, lead: usize) -> Self {
+    pub fn new(scene: View<'t, 'a, K::S>, tracer: &'t T, lead: usize, roulette: Real) -> Self {
         Self {
             scene,
             tracer,
             counters: Counters::default(),
             lead,
+            keep: 1.0 / roulette,
             exact: false,
             remaining: MAX_STEPS,
             instance: PhantomData,
@@ -296,6 +299,17 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
     }
 }
 
+impl<T, K: Instance> Trace<'_, '_, T, K> {
+    /// Russian roulette: the probability with which a walk goes on, given what it carries relative to what
+    /// it began with (without the η² of refraction, `transport.md` §1). Walks that still carry much always go
+    /// on: ending them would save little and cost variance.
+    #[inline(always)]
+    pub fn roulette(&self, relative: K::S) -> Real {
+        let q = relative.max_channel() * self.keep;
+        if q < 1.0 { q } else { 1.0 }
+    }
+}
+
 /// What is left of `ray` behind the surface that it met at `point` after `t`.
 #[inline(always)]
 pub(super) fn past(ray: &Ray, point: &Point, t: Real) -> Ray {
@@ -305,15 +319,4 @@ pub(super) fn past(ray: &Ray, point: &Point, t: Real) -> Ray {
         t_max: ray.t_max - t,
         ..*ray
     }
-}
-
-/// Russian roulette: the probability with which a walk goes on, given what it carries relative to what
-/// it began with (without the η² of refraction, `transport.md` §1). Walks that still carry much always go
-/// on: ending them would save little and cost variance.
-#[inline(always)]
-pub fn roulette<S: Spectrum>(relative: S) -> Real {
-    /// Below this share of the beginning a walk has to win its way.
-    const THRESHOLD: Real = 0.5;
-    let q = relative.max_channel() * (1.0 / THRESHOLD);
-    if q < 1.0 { q } else { 1.0 }
 }

@@ -2,7 +2,7 @@
 //! radiance), from a light importance's.
 
 use super::passage::{Leg, Passage};
-use super::trace::{MAX_STEPS, Meeting, Trace, roulette};
+use super::trace::{MAX_STEPS, Meeting, Trace};
 use super::vertex::{Step, Vertex};
 use super::weight::{Mis, Terms};
 use crate::blob::format::NONE;
@@ -268,7 +268,7 @@ impl<S: Spectrum> Walk<S> {
         let weight = step.taken::<K>(&mut self.ratio);
         let mut throughput = self.throughput * weight;
         let mut relative = self.relative * weight * (1.0 / step.eta_scale);
-        let q = roulette(relative);
+        let q = trace.roulette(relative);
         if q < 1.0 {
             if sampler.one(Purpose::Roulette) >= q {
                 return None;

@@ -4,6 +4,12 @@
 //! ([`Pcg`]) ignore that; low-discrepancy and recorded sequences turn it into a dimension, so one can
 //! be replayed or mutated without the estimator knowing (`transport.md` §7, Sobol and Metropolis).
 
+#[cfg(feature = "sobol")]
+mod sobol;
+
+#[cfg(feature = "sobol")]
+pub use sobol::Sobol;
+
 use crate::real::{Real, unit};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
@@ -58,6 +64,23 @@ pub trait Sampler {
         let x = self.one(purpose);
         [x, self.one(purpose)]
     }
+    /// Does `work` with these numbers; a choice of several kinds hands over the kind that it is, so that work which asks often is
+    /// compiled for each and doesn't choose at every number.
+    #[inline(always)]
+    fn lend<W: Work>(&mut self, work: W) -> W::Result
+    where
+        Self: Sized,
+    {
+        work.with(self)
+    }
+}
+
+/// What [`Sampler::lend`] lends numbers to.
+pub trait Work {
+    /// What comes of it.
+    type Result;
+    /// Does it.
+    fn with<P: Sampler>(self, numbers: &mut P) -> Self::Result;
 }
 
 /// Independent numbers: PCG XSH RR 64/32 (O'Neill 2014), a stream of its own per (pixel, sample).
@@ -87,6 +110,75 @@ impl Sampler for Pcg {
     #[inline(always)]
     fn one(&mut self, _: Purpose) -> Real {
         unit(self.0.next_u32())
+    }
+}
+
+/// Where an estimate's numbers come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sequence {
+    /// [`Pcg`]: independent.
+    #[default]
+    Independent,
+    /// [`Sobol`]: the samples of a pixel spread evenly.
+    #[cfg(feature = "sobol")]
+    Sobol,
+}
+
+/// The numbers of one sample, from whichever sequence is asked for.
+#[derive(Clone, Debug)]
+pub enum Numbers {
+    /// Independent.
+    Independent(Pcg),
+    /// Spread evenly.
+    #[cfg(feature = "sobol")]
+    Sobol(Sobol),
+}
+
+impl Numbers {
+    /// Those of sample `index` of the element `element` under `seed`.
+    #[inline(always)]
+    pub fn new(sequence: Sequence, seed: u64, element: u64, index: u64) -> Self {
+        match sequence {
+            Sequence::Independent => Self::Independent(Pcg::new(seed, element, index)),
+            #[cfg(feature = "sobol")]
+            Sequence::Sobol => Self::Sobol(Sobol::new(seed, element, index)),
+        }
+    }
+}
+
+impl Sampler for Numbers {
+    #[inline(always)]
+    fn at(&mut self, subpath: Subpath, vertex: u32) {
+        match self {
+            Self::Independent(_) => (),
+            #[cfg(feature = "sobol")]
+            Self::Sobol(s) => s.at(subpath, vertex),
+        }
+        let _ = (subpath, vertex);
+    }
+    #[inline(always)]
+    fn one(&mut self, purpose: Purpose) -> Real {
+        match self {
+            Self::Independent(s) => s.one(purpose),
+            #[cfg(feature = "sobol")]
+            Self::Sobol(s) => s.one(purpose),
+        }
+    }
+    #[inline(always)]
+    fn two(&mut self, purpose: Purpose) -> [Real; 2] {
+        match self {
+            Self::Independent(s) => s.two(purpose),
+            #[cfg(feature = "sobol")]
+            Self::Sobol(s) => s.two(purpose),
+        }
+    }
+    #[inline(always)]
+    fn lend<W: Work>(&mut self, work: W) -> W::Result {
+        match self {
+            Self::Independent(s) => work.with(s),
+            #[cfg(feature = "sobol")]
+            Self::Sobol(s) => work.with(s),
+        }
     }
 }
 
