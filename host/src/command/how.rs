@@ -1,7 +1,7 @@
 //! The flags that say how light is estimated, for all commands that do it.
 
 use clap::ValueEnum;
-use etendue::estimate::{LEVELS, Rule, Tree};
+use etendue::estimate::{LEVELS, Mutations, Rule, Tree};
 use etendue::random::Sequence;
 use etendue::{Estimator, Heuristic, Settings};
 
@@ -20,6 +20,9 @@ pub struct How {
     /// Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1; 0: all go on
     #[arg(long, value_name = "SHARE", default_value_t = Settings::default().roulette, value_parser = share)]
     roulette: f32,
+    /// metropolis: how often a step is a path drawn anew, 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = Mutations::default().large, value_parser = share)]
+    large_steps: f32,
     /// distributed: rays that go on from a vertex, by level; paths have at most an edge more than there are levels
     #[arg(long, value_name = "N,N,…", default_value = "8,4,2,1", value_parser = branching)]
     branching: Branching,
@@ -51,6 +54,8 @@ enum EstimatorName {
     Light,
     /// both walks and all connections between them
     Bidirectional,
+    /// chains of paths over bidirectional, changed a little at each step
+    Metropolis,
     /// ray trees to a stated depth; longer paths are left out
     Distributed,
     /// direct light and single scattering by deterministic rules; all other light is left out
@@ -126,6 +131,7 @@ impl How {
                 EstimatorName::Path => Estimator::Path,
                 EstimatorName::Light => Estimator::Light,
                 EstimatorName::Bidirectional => Estimator::Bidirectional,
+                EstimatorName::Metropolis => Estimator::Metropolis,
                 EstimatorName::Distributed => Estimator::Distributed,
                 EstimatorName::Quadrature => Estimator::Quadrature,
                 EstimatorName::QuadratureAndPath => Estimator::QuadratureAndPath,
@@ -146,6 +152,10 @@ impl How {
             },
             seed: self.seed,
             roulette: self.roulette,
+            mutations: Mutations {
+                large: self.large_steps,
+                ..Mutations::default()
+            },
             tree: Tree {
                 branching: self.branching.0,
                 lights: self.light_samples,

@@ -172,6 +172,14 @@ impl Render {
                 "rays_per_second": per_second(rays),
                 "mean_rgb": mean,
                 "interrupted": r.interrupted,
+                "chains": r.chains.map(|c| serde_json::json!({
+                    "chains": c.chains,
+                    "bootstrap_paths": c.bootstraps,
+                    "mean": c.mean,
+                    "mean_relative_error": c.error,
+                    "largest_step": c.size,
+                    "small_steps_accepted": c.accepted,
+                })),
                 "diagnostics": {
                     "closest_rays": r.counters.closest_rays,
                     "shadow_rays": r.counters.shadow_rays,
@@ -195,6 +203,16 @@ impl Render {
                 per_second(samples) * 1e-6,
                 per_second(rays) * 1e-6
             );
+            if let Some(c) = &r.chains {
+                eprintln!(
+                    "{} chains, {:.0} % of small steps (up to {:.1e}) accepted; brightness of the whole to {:.2} % (one standard error, {} paths)",
+                    c.chains,
+                    100.0 * c.accepted,
+                    c.size,
+                    100.0 * c.error,
+                    c.bootstraps
+                );
+            }
         }
         if !self.quiet {
             warn(&losses(r));

@@ -230,6 +230,11 @@ pub(super) fn render(
             Estimator::Path => 0,
             Estimator::Light => 1,
             Estimator::Bidirectional => 2,
+            Estimator::Metropolis => {
+                return Err(RenderError::Gpu(
+                    "chains run on the CPU: choose --device cpu".into(),
+                ));
+            }
             Estimator::Distributed => 3,
             Estimator::Quadrature => 4,
             Estimator::QuadratureAndPath => 5,
@@ -316,5 +321,6 @@ pub(super) fn render(
             invalid: count(7),
         },
         interrupted,
+        chains: None,
     })
 }

@@ -4,6 +4,7 @@
 mod atlas;
 mod bake;
 mod budget;
+mod chains;
 mod crew;
 #[cfg(feature = "cuda")]
 mod cuda;
@@ -12,12 +13,14 @@ mod tiles;
 pub use atlas::AtlasError;
 pub use bake::{Bake, BakeError, Baked, bake};
 pub use budget::Budget;
+use budget::Spending;
+pub use chains::ChainReport;
 pub use crew::{Crew, Run};
 
 use crate::memory::attempt;
 use crew::each_once;
 use etendue::film::{Refused, Step, Sum, merge};
-use etendue::{Counters, Scene, Scratch, Settings};
+use etendue::{Counters, Estimator, Scene, Scratch, Settings};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -66,6 +69,8 @@ pub struct Rendered {
     pub refused: Refused,
     /// Whether it was told to stop, and did so before its budget was spent.
     pub interrupted: bool,
+    /// What chains did, if there were any.
+    pub chains: Option<ChainReport>,
 }
 
 /// How far a render is.
@@ -203,35 +208,91 @@ pub fn render_with(
     crew.employ(|run| job.run(budget, run, stop, watch))
 }
 
+/// A budget on its way.
+struct Course {
+    spending: Spending,
+    started: Instant,
+    /// Passes.
+    done: u64,
+    interrupted: bool,
+    /// As many workers as threads were ever busy at once: the caller's may be any number.
+    idle: Mutex<Vec<Worker>>,
+}
+
+impl Course {
+    /// Of which time has gone since `started`.
+    fn new(budget: Budget, started: Instant) -> Self {
+        Self {
+            spending: budget.begin(),
+            started,
+            done: 0,
+            interrupted: false,
+            idle: Mutex::new(Vec::new()),
+        }
+    }
+
+    /// The next batch of passes, which doesn't go beyond `end`.
+    fn next(&self, end: u64) -> Option<u64> {
+        let batch = self.spending.next(self.done, self.started.elapsed())?;
+        Some(batch.min(end - self.done)).filter(|&n| n > 0)
+    }
+
+    /// Whether there is anything left.
+    fn goes_on(&self) -> bool {
+        !self.interrupted && self.next(u64::MAX).is_some()
+    }
+
+    /// All of the render but its image, and the workers' splats.
+    fn collect(self, size: [u32; 2]) -> (Rendered, Vec<Vec<Sum>>) {
+        let mut rendered = Rendered {
+            size,
+            image: Vec::new(),
+            passes: self.done,
+            seconds: self.started.elapsed().as_secs_f64(),
+            counters: Counters::default(),
+            refused: Refused::default(),
+            interrupted: self.interrupted,
+            chains: None,
+        };
+        let mut splats = Vec::new();
+        for worker in self
+            .idle
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner)
+        {
+            rendered.counters += worker.scratch.counters;
+            rendered.refused += worker.refused;
+            splats.push(worker.splats);
+        }
+        (rendered, splats)
+    }
+}
+
 impl Job<'_> {
-    fn run(
+    /// Whole passes up to number `end`, several at a time, each in `jobs` jobs: `work` does its job for all passes of a batch in one go, and says how many
+    /// samples one of them takes.
+    #[allow(clippy::too_many_arguments)] // what a job and its callers have
+    fn spend(
         &self,
-        budget: Budget,
+        course: &mut Course,
+        end: u64,
         run: &Run<'_>,
         stop: &AtomicBool,
         watch: &(dyn Fn(Progress) + Sync),
-    ) -> Result<Rendered, RenderError> {
-        let mut samples = film(self.size)?;
-        let pixels = samples.len() as u64;
-        let tiles: Vec<_> = cut(&mut samples, self.size)
-            .into_iter()
-            .map(Mutex::new)
-            .collect();
-        // As many workers as threads were ever busy at once: the caller's may be any number.
-        let idle = Mutex::new(Vec::<Worker>::new());
+        jobs: usize,
+        work: &(dyn Fn(usize, std::ops::Range<u64>, &mut Worker) -> u64 + Sync),
+    ) -> Result<(), RenderError> {
+        let pixels = self.size.map(u64::from).iter().product::<u64>();
         let trouble = Mutex::new(None);
-        let started = Instant::now();
-        let budget = budget.begin();
-        let (mut done, mut interrupted) = (0, false);
-        // Whole passes, several at a time: each tile renders all its samples of a batch in one go.
-        while let Some(batch) = budget.next(done, started.elapsed()) {
-            if stop.load(Ordering::Relaxed) && done > 0 {
-                interrupted = true;
+        while let Some(batch) = course.next(end) {
+            if stop.load(Ordering::Relaxed) && course.done > 0 {
+                course.interrupted = true;
                 break;
             }
+            let done = course.done;
             let finished = AtomicU64::new(done * pixels);
-            each_once(run, tiles.len(), &|i| {
-                let free = lock(&idle).pop();
+            each_once(run, jobs, &|i| {
+                let free = lock(&course.idle).pop();
                 let mut worker = match free.map_or_else(|| Worker::new(self), Ok) {
                     Ok(worker) => worker,
                     Err(e) => {
@@ -239,42 +300,50 @@ impl Job<'_> {
                         return;
                     }
                 };
-                // Each tile is one job: the lock is free.
-                let mut tile = lock(&tiles[i]);
-                worker.render(self, &mut tile, done..done + batch);
-                lock(&idle).push(worker);
-                let added = tile.len() * batch;
+                let added = work(i, done..done + batch, &mut worker) * batch;
+                lock(&course.idle).push(worker);
                 let samples = finished.fetch_add(added, Ordering::Relaxed) + added;
                 let passes = samples as f64 / pixels as f64;
                 watch(Progress {
                     passes: passes as u64,
                     samples,
-                    done: budget.share(passes, started.elapsed()),
+                    done: course.spending.share(passes, course.started.elapsed()),
                 });
             })?;
             if let Some(e) = lock(&trouble).take() {
                 return Err(e);
             }
-            done += batch;
+            course.done += batch;
         }
-        let seconds = started.elapsed().as_secs_f64();
-        let mut rendered = Rendered {
-            size: self.size,
-            image: Vec::new(),
-            passes: done,
-            seconds,
-            counters: Counters::default(),
-            refused: Refused::default(),
-            interrupted,
+        Ok(())
+    }
+
+    fn run(
+        &self,
+        budget: Budget,
+        run: &Run<'_>,
+        stop: &AtomicBool,
+        watch: &(dyn Fn(Progress) + Sync),
+    ) -> Result<Rendered, RenderError> {
+        if self.settings.estimator == Estimator::Metropolis {
+            return chains::render(self, budget, run, stop, watch);
+        }
+        let mut samples = film(self.size)?;
+        let tiles: Vec<_> = cut(&mut samples, self.size)
+            .into_iter()
+            .map(Mutex::new)
+            .collect();
+        let mut course = Course::new(budget, Instant::now());
+        let work = |i: usize, passes: std::ops::Range<u64>, worker: &mut Worker| {
+            // Each tile is one job: the lock is free.
+            let mut tile = lock(&tiles[i]);
+            worker.render(self, &mut tile, passes);
+            tile.len()
         };
-        let mut splats = Vec::new();
-        for worker in idle.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            rendered.counters += worker.scratch.counters;
-            rendered.refused += worker.refused;
-            splats.push(worker.splats);
-        }
+        self.spend(&mut course, u64::MAX, run, stop, watch, tiles.len(), &work)?;
+        let (mut rendered, splats) = course.collect(self.size);
         let splats = add_up(run, splats)?;
-        rendered.image = self.resolve(tiles, &splats, done)?;
+        rendered.image = self.resolve(tiles, &splats, rendered.passes)?;
         Ok(rendered)
     }
 

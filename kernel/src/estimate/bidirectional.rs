@@ -19,12 +19,60 @@ use crate::path::{
     Arrival, HistoryView, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first,
     emission_terms, joined,
 };
-use crate::random::{Purpose, Sampler};
+use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::{INV_PI, Real, sqrt, square};
 use crate::sensor::Element;
 use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
 use crate::surface::Mode;
+
+/// Which ways of joining the walks are wanted.
+pub(super) trait Strategies: Copy {
+    /// Whether this one is.
+    fn has(self, s: usize, t: usize) -> bool;
+    /// Whether one is whose light walk, or sensor walk, has more vertices than this.
+    fn has_more(self, end: Subpath, vertices: usize) -> bool;
+}
+
+/// All of them.
+#[derive(Clone, Copy)]
+pub(super) struct All;
+
+impl Strategies for All {
+    #[inline(always)]
+    fn has(self, _: usize, _: usize) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn has_more(self, _: Subpath, _: usize) -> bool {
+        true
+    }
+}
+
+/// One of them.
+#[cfg(feature = "metropolis")]
+#[derive(Clone, Copy, Debug)]
+pub(super) struct One {
+    /// Vertices of the light walk.
+    pub s: usize,
+    /// Vertices of the sensor walk.
+    pub t: usize,
+}
+
+#[cfg(feature = "metropolis")]
+impl Strategies for One {
+    #[inline(always)]
+    fn has(self, s: usize, t: usize) -> bool {
+        self.s == s && self.t == t
+    }
+    #[inline(always)]
+    fn has_more(self, end: Subpath, vertices: usize) -> bool {
+        match end {
+            Subpath::Light => self.s > vertices,
+            Subpath::Sensor => self.t > vertices,
+        }
+    }
+}
 
 /// One sample.
 #[inline(always)]
@@ -36,23 +84,63 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     scratch: &mut Workspace<'_, K::S>,
     splat: &mut impl FnMut([u32; 2], K::S),
 ) -> K::S {
+    let mut sum = K::S::BLACK;
+    let scene = trace.scene;
+    let seen = |raster, value| spread(&scene, element, raster, value, &mut sum, splat);
+    let limit = settings.limit();
+    let Some(mis) = begin(trace, settings, limit, element, scratch) else {
+        return sum;
+    };
+    light_side(trace, limit, &mis, element, All, sampler, scratch, seen);
+    sensor_side(trace, limit, &mis, element, All, sampler, scratch, &mut sum);
+    sum
+}
+
+/// One sample by one strategy, of paths of s + t − 1 edges: what the element receives, or with t = 1 what is to be [`spread`], and where.
+#[cfg(feature = "metropolis")]
+#[inline(always)]
+pub(super) fn one<T: Tracer, K: Instance, P: Sampler>(
+    trace: &mut Trace<'_, '_, T, K>,
+    settings: &Settings,
+    element: &Element,
+    strategy: One,
+    sampler: &mut P,
+    scratch: &mut Workspace<'_, K::S>,
+) -> (K::S, Option<[Real; 2]>) {
+    let (mut sum, mut place) = (K::S::BLACK, None);
+    let limit = settings.limit().min((strategy.s + strategy.t) as u32 - 1);
+    let Some(mis) = begin(trace, settings, limit, element, scratch) else {
+        return (sum, place);
+    };
+    // s = 1 draws its light anew.
+    if strategy.t == 1 || strategy.s > 1 {
+        let seen = |raster, value| (sum, place) = (value, Some(raster));
+        light_side(
+            trace, limit, &mis, element, strategy, sampler, scratch, seen,
+        );
+    }
+    if strategy.t > 1 {
+        sensor_side(
+            trace, limit, &mis, element, strategy, sampler, scratch, &mut sum,
+        );
+    }
+    (sum, place)
+}
+
+/// Nothing stored yet, and what all weights have in common; `None` if there are no paths so short.
+#[inline(always)]
+fn begin<T: Tracer, K: Instance>(
+    trace: &Trace<'_, '_, T, K>,
+    settings: &Settings,
+    limit: u32,
+    element: &Element,
+    scratch: &mut Workspace<'_, K::S>,
+) -> Option<Mis> {
     scratch.light.clear();
     scratch.links.clear();
     scratch.sensor.clear();
-    let mut sum = K::S::BLACK;
-    let limit = settings.limit();
-    if limit > 0 {
-        let mis = super::mis(
-            settings,
-            element.light_paths(&trace.scene),
-            scratch.light.capacity(),
-        );
-        light_side(
-            trace, limit, &mis, element, sampler, scratch, &mut sum, splat,
-        );
-        sensor_side(trace, limit, &mis, element, sampler, scratch, &mut sum);
-    }
-    sum
+    let capacity = scratch.light.capacity();
+    (limit > 0).then(|| super::mis(settings, element.light_paths(&trace.scene), capacity))
 }
 
 /// Walks from a light, stores the walk, and joins each of its vertices to the sensor (t = 1).
@@ -63,15 +151,14 @@ fn light_side<T: Tracer, K: Instance, P: Sampler>(
     limit: u32,
     mis: &Mis,
     element: &Element,
+    wanted: impl Strategies,
     sampler: &mut P,
     scratch: &mut Workspace<'_, K::S>,
-    sum: &mut K::S,
-    splat: &mut impl FnMut([u32; 2], K::S),
+    mut seen_at: impl FnMut([Real; 2], K::S),
 ) {
     let Some(emission) = emit(trace, sampler) else {
         return;
     };
-    let scene = trace.scene;
     let x0 = emission_terms(&emission);
     let _ = scratch.links.push(link(&x0));
     let mut see = |seen: Option<Seen<K::S>>, terms: &Terms, links: &[Link], none: &HistoryView| {
@@ -84,22 +171,16 @@ fn light_side<T: Tracer, K: Instance, P: Sampler>(
             ..Junction::default()
         };
         let weight = mis.weight(&junction, terms, &Terms::default(), links, none);
-        spread(
-            &scene,
-            element,
-            seen.projection.raster,
-            seen.value * weight,
-            sum,
-            splat,
-        );
+        seen_at(seen.projection.raster, seen.value * weight);
     };
-    if mis.light_paths > 0.0 {
+    let joins = |s| mis.light_paths > 0.0 && wanted.has(s, 1);
+    if joins(1) {
         let seen = see_light(trace, element, &emission, sampler);
         see(seen, &x0, scratch.links, scratch.sensor);
     }
     let mut walk = Walk::from_light(trace, &emission);
     // x_i is joined to the sensor by a path of i + 1 edges.
-    while walk.edges < limit {
+    while walk.edges < limit && wanted.has_more(Subpath::Light, scratch.links.len()) {
         if scratch.links.is_full() {
             trace.counters.full_walks += 1;
             return;
@@ -112,7 +193,7 @@ fn light_side<T: Tracer, K: Instance, P: Sampler>(
         }
         let _ = scratch.links.push(link(&vertex.terms));
         let _ = scratch.light.push(vertex);
-        if mis.light_paths > 0.0 {
+        if joins(scratch.links.len()) {
             let seen = see_vertex(trace, element, &vertex, sampler);
             see(seen, &vertex.terms, scratch.links, scratch.sensor);
         }
@@ -133,6 +214,7 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
     limit: u32,
     mis: &Mis,
     element: &Element,
+    wanted: impl Strategies,
     sampler: &mut P,
     scratch: &mut Workspace<'_, K::S>,
     sum: &mut K::S,
@@ -146,25 +228,31 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
             Arrival::Vertex(vertex, distance) => (vertex, distance),
             Arrival::Escaped(terms) => {
                 scratch.sensor.push(link(&terms));
-                *sum += escaped(trace, mis, &walk, &terms, scratch.sensor);
+                if wanted.has(0, walk.edges as usize + 1) {
+                    *sum += escaped(trace, mis, &walk, &terms, scratch.sensor);
+                }
                 return;
             }
             Arrival::Cut => return,
         };
         scratch.sensor.push(link(&vertex.terms));
-        *sum += met_light(trace, mis, &walk, &vertex, from, distance, scratch.sensor);
+        let t = walk.edges as usize + 1;
+        if wanted.has(0, t) {
+            *sum += met_light(trace, mis, &walk, &vertex, from, distance, scratch.sensor);
+        }
         if walk.edges >= limit {
             return;
         }
         if vertex.has_smooth::<K>(&trace.scene) {
-            let t = walk.edges as usize + 1;
-            *sum += next_event(trace, mis, &vertex, t, sampler, scratch.sensor);
+            if wanted.has(1, t) {
+                *sum += next_event(trace, mis, &vertex, t, sampler, scratch.sensor);
+            }
             for (i, x) in scratch.light.iter().enumerate() {
                 // s = i + 2 light vertices and t sensor vertices make s + t − 1 edges.
                 if walk.edges as usize + i + 2 > limit as usize {
                     break;
                 }
-                if x.has_smooth::<K>(&trace.scene) {
+                if wanted.has(i + 2, t) && x.has_smooth::<K>(&trace.scene) {
                     *sum += connect(
                         trace,
                         mis,
@@ -178,6 +266,9 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
                     );
                 }
             }
+        }
+        if !wanted.has_more(Subpath::Sensor, t) {
+            return;
         }
         let Some(step) = walk.leave(trace, &vertex, sampler) else {
             return;

@@ -10,6 +10,8 @@ mod distributed;
 mod equiangular;
 #[cfg(feature = "light")]
 mod light;
+#[cfg(feature = "metropolis")]
+mod metropolis;
 mod patch;
 mod path;
 mod plan;
@@ -20,6 +22,8 @@ mod rule;
 mod scratch;
 mod share;
 
+#[cfg(feature = "metropolis")]
+pub use metropolis::{Chain, Lengths, Mutations};
 pub use plan::{LEVELS, Rule, Tree};
 use scratch::{Light, Workspace};
 pub use scratch::{Scratch, ScratchView};
@@ -54,6 +58,10 @@ pub enum Estimator {
     /// Both walks and all connections between them (Lafortune & Willems 1993, Veach 1997).
     #[cfg(feature = "bidirectional")]
     Bidirectional,
+    /// Chains of paths over [`Estimator::Bidirectional`] ([`Chain`]). Their steps aren't samples of pixels: where samples are asked for, these are
+    /// those of `Bidirectional`.
+    #[cfg(feature = "metropolis")]
+    Metropolis,
     /// Ray trees to a stated depth ([`Tree`]); longer paths are left out (Whitted 1980, Cook 1984).
     #[cfg(feature = "distributed")]
     Distributed,
@@ -73,6 +81,8 @@ impl Estimator {
             Self::Light => true,
             #[cfg(feature = "bidirectional")]
             Self::Bidirectional => true,
+            #[cfg(feature = "metropolis")]
+            Self::Metropolis => true,
             _ => false,
         }
     }
@@ -120,6 +130,9 @@ pub struct Settings {
     pub tree: Tree,
     /// How fine [`Estimator::Quadrature`] is.
     pub rule: Rule,
+    /// How the chains of [`Estimator::Metropolis`] move.
+    #[cfg(feature = "metropolis")]
+    pub mutations: Mutations,
     /// Weights always by the explicit ratio walk: slower, the same to rounding. For tests.
     pub explicit_weights: bool,
 }
@@ -135,6 +148,8 @@ impl Default for Settings {
             roulette: 0.5,
             tree: Tree::default(),
             rule: Rule::default(),
+            #[cfg(feature = "metropolis")]
+            mutations: Mutations::default(),
             explicit_weights: false,
         }
     }
@@ -258,16 +273,40 @@ pub fn estimate_with<T: Tracer, P: Sampler>(
     scratch: &mut ScratchView<'_>,
     splat: &mut impl FnMut([u32; 2], Rgb),
 ) -> Rgb {
+    dispatch(
+        scene,
+        scratch,
+        Sample {
+            scene,
+            tracer,
+            settings,
+            element,
+            sampler,
+            splat,
+        },
+    )
+}
+
+/// What is done in one of the instances.
+trait Errand {
+    /// What comes of it.
+    type Result;
+    /// Does it.
+    fn run<K: Instance>(self, workspace: &mut Workspace<'_, K::S>) -> Self::Result;
+}
+
+/// Runs the instance that has what the scene needs.
+#[inline(always)]
+fn dispatch<E: Errand>(scene: &Scene<'_>, scratch: &mut ScratchView<'_>, errand: E) -> E::Result {
     macro_rules! by {
-        ($instance:ty, $light:expr) => {{
-            let workspace = &mut Workspace {
+        ($instance:ty, $light:expr) => {
+            errand.run::<$instance>(&mut Workspace {
                 light: $light,
                 links: scratch.links,
                 sensor: scratch.sensor,
                 counters: scratch.counters,
-            };
-            by::<T, $instance, P>(scene, tracer, settings, element, sampler, workspace, splat)
-        }};
+            })
+        };
     }
     match &mut scratch.light {
         #[cfg(feature = "spectral")]
@@ -282,6 +321,16 @@ pub fn estimate_with<T: Tracer, P: Sampler>(
     }
 }
 
+/// One sample of an element.
+struct Sample<'w, 's, 'a, T, P, F> {
+    scene: &'s Scene<'a>,
+    tracer: &'w T,
+    settings: &'w Settings,
+    element: &'w Element,
+    sampler: &'w mut P,
+    splat: &'w mut F,
+}
+
 /// Draws what the channels of a path are, and which of them leads; where that matters.
 #[inline(always)]
 fn channels<K: Instance, P: Sampler>(sampler: &mut P) -> (<K::S as Spectrum>::Waves, usize) {
@@ -293,66 +342,141 @@ fn channels<K: Instance, P: Sampler>(sampler: &mut P) -> (<K::S as Spectrum>::Wa
     K::S::draw(xi)
 }
 
-/// By one instance. Not inlined: the stack of one isn't that of all.
-#[inline(never)]
-fn by<T: Tracer, K: Instance, P: Sampler>(
+impl<T: Tracer, P: Sampler, F: FnMut([u32; 2], Rgb)> Errand for Sample<'_, '_, '_, T, P, F> {
+    type Result = Rgb;
+
+    // Not inlined: the stack of one instance isn't that of all.
+    #[inline(never)]
+    fn run<K: Instance>(self, scratch: &mut Workspace<'_, K::S>) -> Rgb {
+        let Self {
+            scene,
+            tracer,
+            settings,
+            element,
+            sampler,
+            splat,
+        } = self;
+        let (waves, lead) = channels::<K, P>(sampler);
+        let mut trace =
+            Trace::<T, K>::new(View::new(scene, waves), tracer, lead, settings.roulette);
+        let mut rejected = 0;
+        let mut value: K::S = {
+            #[cfg_attr(not(feature = "light"), allow(unused_variables))]
+            let splat = &mut |pixel, value: K::S| match accept(value, &waves) {
+                Some(v) => splat(pixel, v),
+                None => rejected += 1,
+            };
+            match (settings.estimator, element) {
+                #[cfg(feature = "light")]
+                (Estimator::Light, Element::Pixel(_) | Element::Irradiance { .. }) => {
+                    light::estimate(&mut trace, settings, element, sampler, splat)
+                }
+                #[cfg(feature = "bidirectional")]
+                (Estimator::Bidirectional, _) => {
+                    bidirectional::estimate(&mut trace, settings, element, sampler, scratch, splat)
+                }
+                #[cfg(feature = "metropolis")]
+                (Estimator::Metropolis, _) => {
+                    bidirectional::estimate(&mut trace, settings, element, sampler, scratch, splat)
+                }
+                #[cfg(feature = "distributed")]
+                (Estimator::Distributed, _) => {
+                    distributed::estimate(&mut trace, settings, element, sampler, scratch)
+                }
+                #[cfg(feature = "quadrature")]
+                (Estimator::Quadrature, _) => {
+                    quadrature::estimate(&mut trace, settings, element, sampler, scratch)
+                }
+                #[cfg(feature = "quadrature")]
+                (Estimator::QuadratureAndPath, _) => {
+                    quadrature::and_path(&mut trace, settings, element, sampler, scratch)
+                }
+                // No light walk meets a ray.
+                _ => sampler.lend(ByPath {
+                    trace: &mut trace,
+                    settings,
+                    element,
+                }),
+            }
+        };
+        if let Element::Irradiance { position, normal } = *element
+            && settings.limit() > 0
+            && !settings.estimator.is_quadrature()
+        {
+            let medium = surroundings(&mut trace, element);
+            value += patch::direct(&mut trace, position, normal, medium, sampler);
+        }
+        let value = accept(value, &waves);
+        trace.counters.rejected += rejected + u64::from(value.is_none());
+        *scratch.counters += trace.counters;
+        value.unwrap_or(Rgb::BLACK)
+    }
+}
+
+/// A path of one length by one strategy of [`Estimator::Bidirectional`], with geometry answered by `tracer` and numbers by `sampler`.
+#[cfg(feature = "metropolis")]
+fn strategy_with<T: Tracer>(
     scene: &Scene<'_>,
     tracer: &T,
     settings: &Settings,
     element: &Element,
-    sampler: &mut P,
-    scratch: &mut Workspace<'_, K::S>,
-    splat: &mut impl FnMut([u32; 2], Rgb),
-) -> Rgb {
-    let (waves, lead) = channels::<K, P>(sampler);
-    let mut trace = Trace::<T, K>::new(View::new(scene, waves), tracer, lead, settings.roulette);
-    let mut rejected = 0;
-    let mut value: K::S = {
-        #[cfg_attr(not(feature = "light"), allow(unused_variables))]
-        let splat = &mut |pixel, value: K::S| match accept(value, &waves) {
-            Some(v) => splat(pixel, v),
-            None => rejected += 1,
-        };
-        match (settings.estimator, element) {
-            #[cfg(feature = "light")]
-            (Estimator::Light, Element::Pixel(_) | Element::Irradiance { .. }) => {
-                light::estimate(&mut trace, settings, element, sampler, splat)
-            }
-            #[cfg(feature = "bidirectional")]
-            (Estimator::Bidirectional, _) => {
-                bidirectional::estimate(&mut trace, settings, element, sampler, scratch, splat)
-            }
-            #[cfg(feature = "distributed")]
-            (Estimator::Distributed, _) => {
-                distributed::estimate(&mut trace, settings, element, sampler, scratch)
-            }
-            #[cfg(feature = "quadrature")]
-            (Estimator::Quadrature, _) => {
-                quadrature::estimate(&mut trace, settings, element, sampler, scratch)
-            }
-            #[cfg(feature = "quadrature")]
-            (Estimator::QuadratureAndPath, _) => {
-                quadrature::and_path(&mut trace, settings, element, sampler, scratch)
-            }
-            // No light walk meets a ray.
-            _ => sampler.lend(ByPath {
-                trace: &mut trace,
-                settings,
-                element,
-            }),
+    strategy: bidirectional::One,
+    sampler: &mut crate::random::Recorded<'_>,
+    scratch: &mut ScratchView<'_>,
+) -> metropolis::Contribution {
+    dispatch(
+        scene,
+        scratch,
+        Strategy {
+            scene,
+            tracer,
+            settings,
+            element,
+            strategy,
+            sampler,
+        },
+    )
+}
+
+/// What [`strategy_with`] makes.
+#[cfg(feature = "metropolis")]
+struct Strategy<'w, 's, 'a, 'n, T> {
+    scene: &'s Scene<'a>,
+    tracer: &'w T,
+    settings: &'w Settings,
+    element: &'w Element,
+    strategy: bidirectional::One,
+    sampler: &'w mut crate::random::Recorded<'n>,
+}
+
+#[cfg(feature = "metropolis")]
+impl<T: Tracer> Errand for Strategy<'_, '_, '_, '_, T> {
+    type Result = metropolis::Contribution;
+
+    #[inline(never)]
+    fn run<K: Instance>(self, scratch: &mut Workspace<'_, K::S>) -> metropolis::Contribution {
+        let Self {
+            settings, sampler, ..
+        } = self;
+        let (waves, lead) = channels::<K, _>(sampler);
+        let view = View::new(self.scene, waves);
+        let mut trace = Trace::<T, K>::new(view, self.tracer, lead, settings.roulette);
+        let (value, raster) = bidirectional::one(
+            &mut trace,
+            settings,
+            self.element,
+            self.strategy,
+            sampler,
+            scratch,
+        );
+        let value = accept(value, &waves);
+        trace.counters.rejected += u64::from(value.is_none());
+        *scratch.counters += trace.counters;
+        metropolis::Contribution {
+            value: value.unwrap_or(Rgb::BLACK),
+            raster,
         }
-    };
-    if let Element::Irradiance { position, normal } = *element
-        && settings.limit() > 0
-        && !settings.estimator.is_quadrature()
-    {
-        let medium = surroundings(&mut trace, element);
-        value += patch::direct(&mut trace, position, normal, medium, sampler);
     }
-    let value = accept(value, &waves);
-    trace.counters.rejected += rejected + u64::from(value.is_none());
-    *scratch.counters += trace.counters;
-    value.unwrap_or(Rgb::BLACK)
 }
 
 /// [`path`] for each kind of numbers: its samples are so short that choosing at every number would cost 2 %.

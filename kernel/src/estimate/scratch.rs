@@ -86,6 +86,12 @@ pub(super) enum Light<'s> {
 }
 
 impl ScratchView<'_> {
+    /// The most vertices that a light walk keeps.
+    #[inline(always)]
+    pub fn capacity(&self) -> usize {
+        self.links.capacity()
+    }
+
     /// [`Scratch::counters`].
     #[inline(always)]
     pub fn counters(&mut self) -> &mut Counters {

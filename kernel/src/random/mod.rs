@@ -4,9 +4,13 @@
 //! ([`Pcg`]) ignore that; low-discrepancy and recorded sequences turn it into a dimension, so one can
 //! be replayed or mutated without the estimator knowing (`transport.md` §7, Sobol and Metropolis).
 
+#[cfg(feature = "metropolis")]
+mod recorded;
 #[cfg(feature = "sobol")]
 mod sobol;
 
+#[cfg(feature = "metropolis")]
+pub use recorded::{CHOICES, Mutation, Recorded, Tape, TapeView};
 #[cfg(feature = "sobol")]
 pub use sobol::Sobol;
 

@@ -1,0 +1,215 @@
+//! Recorded numbers: what a path was made of, to be changed a little and made again (`transport.md` §7, Metropolis).
+
+use super::{Pcg, Purpose, Sampler, Subpath};
+use crate::real::{ONE_MINUS, Real, exp};
+
+/// Numbers of a vertex that are recorded.
+const SLOTS: usize = 16;
+
+/// Where the numbers for a purpose stand at a vertex, and how many are kept. [`Purpose::Lead`] is asked for at a walk's first vertex
+/// alone, and stands where the later ones have their lobe.
+#[inline(always)]
+fn slots(purpose: Purpose) -> (u32, u32) {
+    match purpose {
+        // The pixel's, which is one number with the place in it.
+        Purpose::Filter => (0, 0),
+        Purpose::Blend => (0, 1),
+        Purpose::Opacity => (1, 1),
+        Purpose::Lens => (2, 2),
+        Purpose::Choice => (4, 2),
+        Purpose::Position => (6, 2),
+        Purpose::Emission => (8, 2),
+        Purpose::Lead | Purpose::Lobe => (10, 1),
+        Purpose::Direction => (11, 2),
+        Purpose::Roulette => (13, 1),
+        Purpose::Flight => (14, 2),
+    }
+}
+
+/// The numbers of one path: three streams, the walk from the sensor, that from the light, and what is chosen before either begins.
+/// The first `N` vertices of each walk are recorded.
+#[derive(Clone, Debug)]
+pub struct Tape<const N: usize> {
+    numbers: [[[Real; SLOTS]; N]; 2],
+    recorded: [[u16; N]; 2],
+    choice: [Real; CHOICES],
+}
+
+/// Numbers of the third stream: column, row, strategy.
+pub const CHOICES: usize = 3;
+
+impl<const N: usize> Tape<N> {
+    /// Nothing recorded.
+    pub const fn new() -> Self {
+        Self {
+            numbers: [[[0.0; SLOTS]; N]; 2],
+            recorded: [[0; N]; 2],
+            choice: [0.0; CHOICES],
+        }
+    }
+
+    /// Of any length.
+    #[inline(always)]
+    pub fn view(&mut self) -> TapeView<'_> {
+        TapeView {
+            numbers: self.numbers.each_mut().map(<[_; N]>::as_mut_slice),
+            recorded: self.recorded.each_mut().map(<[_; N]>::as_mut_slice),
+            choice: &mut self.choice,
+        }
+    }
+}
+
+impl<const N: usize> Default for Tape<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A [`Tape`] of any length: what works with it is compiled once for all.
+#[derive(Debug)]
+pub struct TapeView<'t> {
+    numbers: [&'t mut [[Real; SLOTS]]; 2],
+    recorded: [&'t mut [u16]; 2],
+    choice: &'t mut [Real; CHOICES],
+}
+
+/// How a proposal differs from the path before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mutation {
+    /// In everything.
+    Large,
+    /// By steps of at most this size in each number (Kelemen et al. 2002, §4.3: their logarithms are uniform over
+    /// [`DECADES`]).
+    Small(Real),
+}
+
+/// ln of the largest step over the smallest, 1024: Kelemen has 16, but a chain that has got onto a peak narrower than its smallest step stays there for good.
+const DECADES: Real = 6.931_472;
+
+/// The numbers of a proposal: those of the path before it, changed. What isn't asked for isn't kept: its distribution, given the path, is
+/// uniform, so that drawing it anew when it is asked for again leaves the target as it is. Nor is what doesn't fit on the tape; it is drawn anew at
+/// each proposal (pseudo-marginal chains, Andrieu & Roberts 2009).
+#[derive(Debug)]
+pub struct Recorded<'t> {
+    before: TapeView<'t>,
+    after: TapeView<'t>,
+    mutation: Mutation,
+    fresh: Pcg,
+    walk: usize,
+    vertex: usize,
+    /// Given out in place of [`Purpose::Filter`]: position and pixel are one number.
+    within: [Real; 2],
+    given: usize,
+}
+
+impl<'t> Recorded<'t> {
+    /// Changes `before`, writing to `after`, with randomness from `fresh`.
+    pub fn new(
+        before: TapeView<'t>,
+        mut after: TapeView<'t>,
+        mutation: Mutation,
+        fresh: Pcg,
+    ) -> Self {
+        for mask in after.recorded.iter_mut().flat_map(|walk| walk.iter_mut()) {
+            *mask = 0;
+        }
+        Self {
+            before,
+            after,
+            mutation,
+            fresh,
+            walk: 0,
+            vertex: 0,
+            within: [0.0; 2],
+            given: 0,
+        }
+    }
+
+    /// What the path begins with: a place in the image, in [0, 1)², and a number for the strategy.
+    pub fn choose(&mut self) -> [Real; CHOICES] {
+        for (new, old) in self.after.choice.iter_mut().zip(self.before.choice.iter()) {
+            *new = match self.mutation {
+                Mutation::Large => self.fresh.one(Purpose::Choice),
+                Mutation::Small(size) => moved(*old, size, &mut self.fresh),
+            };
+        }
+        *self.after.choice
+    }
+
+    /// Says where in its pixel the path begins, in [0, 1)².
+    pub fn begin(&mut self, within: [Real; 2]) {
+        self.within = within;
+    }
+}
+
+/// `x` moved by a small step, around the ends.
+#[inline(always)]
+fn moved(x: Real, size: Real, random: &mut Pcg) -> Real {
+    let [xi, side] = random.two(Purpose::Choice);
+    let step = size * exp(-DECADES * xi);
+    let y = if side < 0.5 { x + step } else { x - step };
+    let y = if y >= 1.0 {
+        y - 1.0
+    } else if y < 0.0 {
+        y + 1.0
+    } else {
+        y
+    };
+    // Rounding may reach 1.
+    y.min(ONE_MINUS)
+}
+
+impl Sampler for Recorded<'_> {
+    #[inline(always)]
+    fn at(&mut self, subpath: Subpath, vertex: u32) {
+        (self.walk, self.vertex) = (subpath as usize, vertex as usize);
+    }
+
+    fn one(&mut self, purpose: Purpose) -> Real {
+        if matches!(purpose, Purpose::Filter) {
+            self.given += 1;
+            let number = self.within.get(self.given - 1);
+            return number.copied().unwrap_or_default();
+        }
+        let Self {
+            before,
+            after,
+            mutation,
+            fresh,
+            walk,
+            vertex,
+            ..
+        } = self;
+        let (first, count) = slots(purpose);
+        let (Some(mask), Some(numbers)) = (
+            after
+                .recorded
+                .get_mut(*walk)
+                .and_then(|w| w.get_mut(*vertex)),
+            after
+                .numbers
+                .get_mut(*walk)
+                .and_then(|w| w.get_mut(*vertex)),
+        ) else {
+            return fresh.one(purpose);
+        };
+        let Some(slot) = (first..first + count).find(|&i| *mask & 1 << i == 0) else {
+            return fresh.one(purpose);
+        };
+        *mask |= 1 << slot;
+        let old = before.recorded.get(*walk).and_then(|w| w.get(*vertex));
+        let known = old.is_some_and(|old| old & 1 << slot != 0);
+        let value = match *mutation {
+            Mutation::Small(size) if known => {
+                let old = before.numbers.get(*walk).and_then(|w| w.get(*vertex));
+                let old = old.and_then(|numbers| numbers.get(slot as usize));
+                moved(old.copied().unwrap_or_default(), size, fresh)
+            }
+            _ => fresh.one(purpose),
+        };
+        if let Some(number) = numbers.get_mut(slot as usize) {
+            *number = value;
+        }
+        value
+    }
+}
