@@ -5,6 +5,7 @@
 //! ```
 
 pub mod blob;
+pub mod chart;
 pub mod command;
 pub mod compile;
 pub mod description;
@@ -14,3 +15,4 @@ pub mod memory;
 pub mod render;
 pub mod scene;
 mod spectra;
+pub mod statistics;

@@ -4,6 +4,7 @@ use crate::memory::about;
 use std::io::Write;
 
 mod bake;
+mod chart;
 mod compare;
 mod compile;
 mod figures;
@@ -47,6 +48,8 @@ pub enum Command {
     Inspect(inspect::Inspect),
     /// Compare two images: MSE, relMSE, bias, difference image
     Compare(compare::Compare),
+    /// Chart speed against accuracy: variants of a render on a ladder of budgets
+    Chart(Box<chart::Chart>),
     /// Render the figures that a manifest lists to one contact sheet
     Figures(figures::Figures),
 }
@@ -63,6 +66,7 @@ impl Command {
             Self::Compile(c) => &c.scene,
             Self::Inspect(c) => &c.scene,
             Self::Compare(c) => &c.a,
+            Self::Chart(c) => &c.scene,
             Self::Figures(c) => &c.from,
         });
         match self {
@@ -71,6 +75,7 @@ impl Command {
             Self::Compile(c) => c.run(),
             Self::Inspect(c) => c.run(),
             Self::Compare(c) => c.run(),
+            Self::Chart(c) => c.run(),
             Self::Figures(c) => c.run(),
         }
     }

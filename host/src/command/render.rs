@@ -71,7 +71,7 @@ enum DeviceName {
 }
 
 /// A number with a unit.
-fn duration(text: &str) -> Result<Duration, String> {
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
     let expected = || format!("expected a time like 500ms, 30s, 2m or 1h, found {text:?}");
     let split = text
         .find(|c: char| c.is_ascii_alphabetic())
