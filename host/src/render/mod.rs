@@ -9,6 +9,7 @@ mod crew;
 #[cfg(feature = "cuda")]
 mod cuda;
 mod double;
+mod pilot;
 mod tiles;
 
 pub use atlas::AtlasError;
@@ -18,6 +19,7 @@ use budget::Spending;
 pub use chains::ChainReport;
 pub use crew::{Crew, Run};
 pub use double::render_double;
+pub use pilot::{Cost, Found, pilot};
 
 use crate::memory::attempt;
 use crew::each_once;
