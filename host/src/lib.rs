@@ -11,6 +11,8 @@ pub mod description;
 pub mod develop;
 pub mod load;
 pub mod memory;
+pub mod reach;
 pub mod render;
 pub mod scene;
 mod spectra;
+pub mod stability;

@@ -12,6 +12,7 @@ mod inspect;
 mod reading;
 mod render;
 mod screen;
+mod stability;
 
 /// How a command ends badly.
 #[derive(Debug)]
@@ -49,6 +50,8 @@ pub enum Command {
     Compare(compare::Compare),
     /// Render the figures that a manifest lists to one contact sheet
     Figures(figures::Figures),
+    /// Run the atlas of scenes at which methods break, and compare with what is written down
+    Stability(stability::Stability),
 }
 
 impl Command {
@@ -64,6 +67,7 @@ impl Command {
             Self::Inspect(c) => &c.scene,
             Self::Compare(c) => &c.a,
             Self::Figures(c) => &c.from,
+            Self::Stability(_) => std::path::Path::new("stability"),
         });
         match self {
             Self::Render(c) => c.run(),
@@ -72,6 +76,7 @@ impl Command {
             Self::Inspect(c) => c.run(),
             Self::Compare(c) => c.run(),
             Self::Figures(c) => c.run(),
+            Self::Stability(c) => c.run(),
         }
     }
 }
