@@ -13,6 +13,7 @@ mod inspect;
 mod reading;
 mod render;
 mod screen;
+mod stability;
 
 /// How a command ends badly.
 #[derive(Debug)]
@@ -52,6 +53,8 @@ pub enum Command {
     Chart(Box<chart::Chart>),
     /// Render the figures that a manifest lists to one contact sheet
     Figures(figures::Figures),
+    /// Run the atlas of scenes at which methods break, and compare with what is written down
+    Stability(stability::Stability),
 }
 
 impl Command {
@@ -68,6 +71,7 @@ impl Command {
             Self::Compare(c) => &c.a,
             Self::Chart(c) => &c.scene,
             Self::Figures(c) => &c.from,
+            Self::Stability(_) => std::path::Path::new("stability"),
         });
         match self {
             Self::Render(c) => c.run(),
@@ -77,6 +81,7 @@ impl Command {
             Self::Compare(c) => c.run(),
             Self::Chart(c) => c.run(),
             Self::Figures(c) => c.run(),
+            Self::Stability(c) => c.run(),
         }
     }
 }
