@@ -2,7 +2,7 @@
 
 use crate::blob::AlignedBlob;
 use crate::compile::compile;
-use crate::description::{Advice, Carry, Description};
+use crate::description::{Advice, Carry, Description, GridValues, Model, Tracking};
 use crate::load;
 use std::path::Path;
 
@@ -28,6 +28,47 @@ pub struct Changes {
     pub scale: Option<f64>,
     /// What paths carry.
     pub carry: Carry,
+    /// Whether dielectrics have Schlick's approximation; `None`: what the file says of each.
+    pub schlick: Option<bool>,
+    /// How the kernel finds its way through all grids; `None`: what the file says of each.
+    pub tracking: Option<Tracking>,
+}
+
+impl Changes {
+    /// What these change but the size.
+    ///
+    /// # Errors
+    /// In words, if a medium can't be tracked as they ask.
+    pub fn apply(&self, d: &mut Description) -> Result<(), String> {
+        d.carry = self.carry;
+        if let Some(wanted) = self.schlick {
+            for material in &mut d.materials {
+                if let Model::Dielectric { schlick, .. } | Model::Dispersive { schlick, .. } =
+                    &mut material.model
+                {
+                    *schlick = wanted;
+                }
+            }
+        }
+        let Some(tracking) = self.tracking else {
+            return Ok(());
+        };
+        for medium in &mut d.media {
+            let Some(grids) = &mut medium.grids else {
+                continue;
+            };
+            if tracking == Tracking::Residual
+                && matches!(grids.extinction.values, GridValues::Rgb(_))
+            {
+                return Err(format!(
+                    "--tracking: expected woodcock or regular where sigma_t has three channels, as it has in {}, found residual",
+                    medium.name
+                ));
+            }
+            grids.tracking = tracking;
+        }
+        Ok(())
+    }
 }
 
 /// Whether `path` names a compiled scene.
@@ -49,10 +90,12 @@ pub fn prepare(
         let fixed = changes.width.or(changes.height).is_some()
             || changes.scale.is_some()
             || changes.carry != Carry::AsNeeded
+            || changes.schlick.is_some()
+            || changes.tracking.is_some()
             || !defines.is_empty();
         if fixed {
             return Err(format!(
-                "{}: a compiled scene has its size and its values in it: --width, --height, --color and -D need the scene file",
+                "{}: a compiled scene has its size and its values in it: --width, --height, --color, --fresnel, --tracking and -D need the scene file",
                 path.display()
             ));
         }
@@ -66,7 +109,9 @@ pub fn prepare(
     }
     let loaded = load::load(path, defines).map_err(|e| e.to_string())?;
     let mut description = loaded.description;
-    description.carry = changes.carry;
+    changes
+        .apply(&mut description)
+        .map_err(|e| format!("{}: {e}", path.display()))?;
     resize(&mut description, &changes)?;
     let compiled = compile(&description).map_err(|e| e.in_file(path).to_string())?;
     let mut warnings = loaded.warnings;

@@ -82,7 +82,10 @@ impl Bake {
             warn(&loaded.warnings);
         }
         let mut description = loaded.description;
-        description.carry = self.reading.carry();
+        let changes = self.reading.changes();
+        changes
+            .apply(&mut description)
+            .map_err(|e| format!("{file}: {e}"))?;
         let (shape, mesh) = self.mesh(&description)?;
         let blob = compile(&description)
             .map_err(|e| e.in_file(&self.scene).to_string())?

@@ -1,6 +1,6 @@
 //! The flags that say how a scene file is read, for all commands that read one.
 
-use crate::description::Carry;
+use crate::description::{Carry, Tracking};
 use crate::scene::Changes;
 use clap::ValueEnum;
 
@@ -13,6 +13,12 @@ pub struct Reading {
     /// What paths carry; the default is wavelengths where the scene disperses or gives spectra
     #[arg(long, value_enum, default_value_t = ColorName::Auto)]
     color: ColorName,
+    /// Reflectance of dielectrics, in place of what the file says of each
+    #[arg(long, value_enum)]
+    fresnel: Option<FresnelName>,
+    /// How the way through media with grids is found, in place of what the file says of each
+    #[arg(long, value_enum)]
+    tracking: Option<TrackingName>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -25,6 +31,24 @@ enum ColorName {
     Spectral,
 }
 
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FresnelName {
+    /// Fresnel's equations
+    Exact,
+    /// Schlick's approximation
+    Schlick,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum TrackingName {
+    /// Woodcock's free flight, transmittance by ratio tracking
+    Woodcock,
+    /// the same, transmittance by residual ratio tracking; for extinction of one channel
+    Residual,
+    /// cell by cell, exactly
+    Regular,
+}
+
 /// `NAME=VALUE`.
 fn define(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
@@ -35,7 +59,7 @@ fn define(text: &str) -> Result<(String, String), String> {
 
 impl Reading {
     /// What paths carry.
-    pub fn carry(&self) -> Carry {
+    fn carry(&self) -> Carry {
         match self.color {
             ColorName::Auto => Carry::AsNeeded,
             ColorName::Rgb => Carry::Rgb,
@@ -47,6 +71,12 @@ impl Reading {
     pub fn changes(&self) -> Changes {
         Changes {
             carry: self.carry(),
+            schlick: self.fresnel.map(|f| matches!(f, FresnelName::Schlick)),
+            tracking: self.tracking.map(|t| match t {
+                TrackingName::Woodcock => Tracking::Woodcock,
+                TrackingName::Residual => Tracking::Residual,
+                TrackingName::Regular => Tracking::Regular,
+            }),
             ..Changes::default()
         }
     }
