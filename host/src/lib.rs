@@ -5,12 +5,16 @@
 //! ```
 
 pub mod blob;
+pub mod chart;
 pub mod command;
 pub mod compile;
 pub mod description;
 pub mod develop;
 pub mod load;
 pub mod memory;
+pub mod reach;
 pub mod render;
 pub mod scene;
 mod spectra;
+pub mod stability;
+pub mod statistics;

@@ -5,7 +5,9 @@
 //! P(|t| > 5.9) = 3e-8, so the suite fails by chance about once in 1500 runs, and errors are a few parts in a thousand.
 
 mod media;
+mod metropolis;
 mod scenes;
+mod sequences;
 mod spectra;
 mod weights;
 

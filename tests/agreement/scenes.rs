@@ -7,7 +7,7 @@ use etendue_host::description::{
 };
 use etendue_tests::scenes::{Builder, V, room};
 
-type Named = (&'static str, Description, Complete);
+pub type Named = (&'static str, Description, Complete);
 
 /// The room with a white box and a white ball.
 pub fn plain() -> Description {

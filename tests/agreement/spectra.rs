@@ -48,6 +48,12 @@ fn glass_ball(fog: bool, carry: Carry) -> Description {
     d
 }
 
+/// [`glass_ball`] for other estimators.
+pub fn dispersing() -> super::scenes::Named {
+    let d = glass_ball(false, Carry::AsNeeded);
+    ("a dispersing ball", d, FromSensor)
+}
+
 /// Spectra of a surface and of lights, and smooth surfaces of every colour: all light is made from the lights as well.
 fn spectra() -> Description {
     room(|b| {

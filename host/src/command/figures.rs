@@ -46,7 +46,7 @@ pub struct Figures {
 }
 
 /// A factor.
-fn factor(text: &str) -> Result<f64, String> {
+pub(super) fn factor(text: &str) -> Result<f64, String> {
     let number = text.parse().ok();
     number
         .filter(|x| (1e-6..=1e6).contains(x))

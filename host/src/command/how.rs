@@ -1,15 +1,16 @@
 //! The flags that say how light is estimated, for all commands that do it.
 
+use crate::render::{Cost, Found, pilot};
 use clap::ValueEnum;
 use etendue::estimate::{LEVELS, Mutations, Rule, Tree};
 use etendue::random::Sequence;
-use etendue::{Estimator, Heuristic, Settings};
+use etendue::{Estimator, Heuristic, Scene, Settings};
 
 /// How light is estimated.
 #[derive(clap::Args, Debug)]
 pub struct How {
     /// How light is estimated
-    #[arg(long, value_enum, default_value_t = EstimatorName::Path)]
+    #[arg(long, value_enum, default_value_t = EstimatorName::Auto)]
     estimator: EstimatorName,
     /// How strategies share a path (multiple importance sampling)
     #[arg(long, value_enum, default_value_t = HeuristicName::Power)]
@@ -46,8 +47,10 @@ pub struct How {
     max_depth: Option<i32>,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum EstimatorName {
+    /// path or bidirectional, whichever a short pilot finds more efficient on this scene
+    Auto,
     /// walk from the camera, lights sampled at each vertex
     Path,
     /// walk from the lights, vertices joined to the camera
@@ -115,6 +118,14 @@ fn branching(text: &str) -> Result<Branching, String> {
     Ok(Branching(levels))
 }
 
+/// What the command line calls it.
+fn name(estimator: Estimator) -> &'static str {
+    match estimator {
+        Estimator::Bidirectional => "bidirectional",
+        _ => "path",
+    }
+}
+
 /// A share.
 fn share(text: &str) -> Result<f32, String> {
     text.parse()
@@ -124,11 +135,35 @@ fn share(text: &str) -> Result<f32, String> {
 }
 
 impl How {
-    /// The kernel's settings, with what the scene's file advises on the length of paths.
+    /// Lets a pilot choose the estimator, if none is named; says why, in one line.
+    pub fn choose(&self, settings: &mut Settings, scene: &Scene<'_>, cost: Cost) -> Option<String> {
+        if self.estimator != EstimatorName::Auto {
+            return None;
+        }
+        let found = pilot(scene, settings, cost);
+        let [best, .., second] = &found[..] else {
+            return None;
+        };
+        settings.estimator = best.estimator;
+        let unit = match cost {
+            Cost::Rays => "rays",
+            Cost::Seconds => "microseconds",
+        };
+        let of = |f: &Found| format!("{} has an error of {:.2e} at {:.1} {unit} a sample", name(f.estimator), f.mse, f.cost);
+        Some(format!(
+            "{}: by a pilot {:.2} times as efficient ({}; {})",
+            name(best.estimator),
+            best.efficiency() / second.efficiency(),
+            of(best),
+            of(second)
+        ))
+    }
+
+    /// The kernel's settings; `auto` is `path`, unless [`Self::choose`] is asked. With what the scene's file advises on the length of paths.
     pub fn settings(&self, advised_depth: Option<u32>) -> Settings {
         Settings {
             estimator: match self.estimator {
-                EstimatorName::Path => Estimator::Path,
+                EstimatorName::Auto | EstimatorName::Path => Estimator::Path,
                 EstimatorName::Light => Estimator::Light,
                 EstimatorName::Bidirectional => Estimator::Bidirectional,
                 EstimatorName::Metropolis => Estimator::Metropolis,

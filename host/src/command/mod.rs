@@ -4,6 +4,7 @@ use crate::memory::about;
 use std::io::Write;
 
 mod bake;
+mod chart;
 mod compare;
 mod compile;
 mod figures;
@@ -12,6 +13,7 @@ mod inspect;
 mod reading;
 mod render;
 mod screen;
+mod stability;
 
 /// How a command ends badly.
 #[derive(Debug)]
@@ -47,8 +49,12 @@ pub enum Command {
     Inspect(inspect::Inspect),
     /// Compare two images: MSE, relMSE, bias, difference image
     Compare(compare::Compare),
+    /// Chart speed against accuracy: variants of a render on a ladder of budgets
+    Chart(Box<chart::Chart>),
     /// Render the figures that a manifest lists to one contact sheet
     Figures(figures::Figures),
+    /// Run the atlas of scenes at which methods break, and compare with what is written down
+    Stability(stability::Stability),
 }
 
 impl Command {
@@ -63,7 +69,9 @@ impl Command {
             Self::Compile(c) => &c.scene,
             Self::Inspect(c) => &c.scene,
             Self::Compare(c) => &c.a,
+            Self::Chart(c) => &c.scene,
             Self::Figures(c) => &c.from,
+            Self::Stability(_) => std::path::Path::new("stability"),
         });
         match self {
             Self::Render(c) => c.run(),
@@ -71,7 +79,9 @@ impl Command {
             Self::Compile(c) => c.run(),
             Self::Inspect(c) => c.run(),
             Self::Compare(c) => c.run(),
+            Self::Chart(c) => c.run(),
             Self::Figures(c) => c.run(),
+            Self::Stability(c) => c.run(),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::reading::Reading;
 use super::screen::Screen;
 use super::{Failure, print, warn};
 use crate::develop::{Linear, Output, write};
-use crate::render::{Budget, Device, Options, Progress, Rendered, render};
+use crate::render::{Budget, Cost, Device, Options, Progress, Rendered, render};
 use crate::scene::{Changes, prepare};
 use clap::ValueEnum;
 use etendue::Scene;
@@ -71,7 +71,7 @@ enum DeviceName {
 }
 
 /// A number with a unit.
-fn duration(text: &str) -> Result<Duration, String> {
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
     let expected = || format!("expected a time like 500ms, 30s, 2m or 1h, found {text:?}");
     let split = text
         .find(|c: char| c.is_ascii_alphabetic())
@@ -113,8 +113,15 @@ impl Render {
             .spp
             .or(prepared.advice.samples.map(u64::from))
             .unwrap_or(DEFAULT_SAMPLES);
+        let mut settings = self.how.settings(prepared.advice.max_depth);
+        // What repeats has to rest on counts, not on times.
+        let cost = self.time.map_or(Cost::Rays, |_| Cost::Seconds);
+        let chosen = self.how.choose(&mut settings, &scene, cost);
+        if let Some(why) = chosen.as_ref().filter(|_| !self.quiet) {
+            eprintln!("{why}");
+        }
         let options = Options {
-            settings: self.how.settings(prepared.advice.max_depth),
+            settings,
             budget: self.time.map_or(Budget::Passes(samples), Budget::Time),
             threads: self.threads.unwrap_or(0) as usize,
             device: match self.device {

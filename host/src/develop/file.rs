@@ -157,7 +157,11 @@ fn unwritable(path: &Path, e: &std::io::Error) -> ImageError {
     error(path, format!("can't be written: {reason}"))
 }
 
-fn encode(
+/// An image as a file of `format`.
+///
+/// # Errors
+/// What the encoder says.
+pub fn encode(
     format: Format,
     image: &Linear,
     tone: Tone,

@@ -8,6 +8,8 @@ mod chains;
 mod crew;
 #[cfg(feature = "cuda")]
 mod cuda;
+mod double;
+mod pilot;
 mod tiles;
 
 pub use atlas::AtlasError;
@@ -16,18 +18,20 @@ pub use budget::Budget;
 use budget::Spending;
 pub use chains::ChainReport;
 pub use crew::{Crew, Run};
+pub use double::render_double;
+pub use pilot::{Cost, Found, pilot};
 
 use crate::memory::attempt;
 use crew::each_once;
 use etendue::film::{Refused, Step, Sum, merge};
-use etendue::{Counters, Estimator, Scene, Scratch, Settings};
+use etendue::{Counters, Estimator, Rgb, Scene, Scratch, Settings};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 use tiles::{Tile, cut, film};
 
 /// Vertices that a light walk keeps.
-const CAPACITY: usize = 32;
+pub const CAPACITY: usize = 32;
 
 /// How to render.
 #[derive(Clone, Copy, Debug)]
@@ -373,6 +377,21 @@ impl Job<'_> {
     }
 }
 
+/// [`Scene::estimate`], compiled once for all who take samples one by one.
+#[inline(never)]
+pub fn sample(
+    scene: &Scene<'_>,
+    settings: &Settings,
+    pixel: [u32; 2],
+    index: u64,
+    scratch: &mut Scratch<CAPACITY>,
+    splat: &mut dyn FnMut([u32; 2], Rgb),
+) -> Rgb {
+    scene.estimate(settings, pixel, index, scratch, &mut |pixel, value| {
+        splat(pixel, value);
+    })
+}
+
 impl Worker {
     fn new(job: &Job<'_>) -> Result<Self, RenderError> {
         let splats = if job.settings.estimator.splats() {
@@ -403,9 +422,7 @@ impl Worker {
                         step.add(sum, value, refused);
                     }
                 };
-                let value = job
-                    .scene
-                    .estimate(&job.settings, pixel, index, scratch, splat);
+                let value = sample(job.scene, &job.settings, pixel, index, scratch, splat);
                 step.add(sum, value, refused);
             }
         }

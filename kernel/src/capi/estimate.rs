@@ -45,16 +45,16 @@ pub struct EtdTile {
 unsafe impl Sized32 for EtdTile {}
 
 /// What all estimating calls have in common.
-struct Call<'a> {
-    scene: &'a Scene<'static>,
-    settings: Settings,
-    hooks: EtdHooks,
-    scratch: ScratchView<'a>,
+pub(super) struct Call<'a> {
+    pub scene: &'a Scene<'static>,
+    pub settings: Settings,
+    pub hooks: EtdHooks,
+    pub scratch: ScratchView<'a>,
     _control: Control,
 }
 
 impl Call<'_> {
-    fn new(
+    pub fn new(
         handle: *const EtdScene,
         with: *const EtdSettings,
         hooks: *const EtdHooks,
@@ -78,14 +78,14 @@ impl Call<'_> {
         self.settings.estimator.splats()
     }
 
-    fn needs_splat(&self) -> Result<(), EtdStatus> {
+    pub fn needs_splat(&self) -> Result<(), EtdStatus> {
         if self.splats() && self.hooks.splat.is_none() {
             return Err(ETD_E_SPLAT);
         }
         Ok(())
     }
 
-    fn poll(&self) -> Result<(), EtdStatus> {
+    pub fn poll(&self) -> Result<(), EtdStatus> {
         if self.hooks.cancelled() {
             return Err(ETD_E_CANCELLED);
         }

@@ -4,7 +4,7 @@
 //! [`status`] numbers what can go wrong; `arguments` turns pointers into references or a status;
 //! `control` holds the floating-point control word; [`hooks`] holds the caller's functions, of which `foreign` makes a
 //! [`crate::shape::Tracer`] and a [`crate::random::Sampler`]; [`scene`], [`settings`], [`scratch`], [`estimate`],
-//! [`film`] are the functions.
+//! `chain`, [`film`] are the functions.
 //!
 //! No function allocates, keeps a pointer beyond the call (a scene keeps its blob), or unwinds: the kernel
 //! has no panic to unwind with. What may be shared by threads is said at each type.
@@ -14,6 +14,8 @@
 #![allow(clippy::missing_safety_doc)]
 
 mod arguments;
+#[cfg(feature = "metropolis")]
+pub mod chain;
 mod control;
 pub mod estimate;
 pub mod film;
@@ -27,7 +29,7 @@ pub mod status;
 
 // What the header asserts of C's side.
 const _: () = assert!(
-    size_of::<settings::EtdSettings>() == 48
+    size_of::<settings::EtdSettings>() == 64
         && size_of::<estimate::EtdTile>() == 32
         && size_of::<estimate::EtdSamples>() == 24
         && size_of::<scratch::EtdCounters>() == 56

@@ -2,6 +2,8 @@
 
 use super::arguments::{Sized32, input};
 use super::status::{ETD_E_ARGUMENT, ETD_E_MISALIGNED, ETD_E_NULL, EtdStatus, status_of};
+#[cfg(feature = "metropolis")]
+use crate::estimate::Mutations;
 use crate::estimate::{Estimator, Rule, Settings, Tree};
 use crate::path::Heuristic;
 use crate::random::Sequence;
@@ -19,6 +21,9 @@ pub const ETD_DISTRIBUTED: u32 = 3;
 pub const ETD_QUADRATURE: u32 = 4;
 /// The same, and what it leaves out by path tracing.
 pub const ETD_QUADRATURE_AND_PATH: u32 = 5;
+/// Chains of paths over `ETD_BIDIRECTIONAL` (`etd_chain_advance`). Where samples of pixels, rays or points are asked for, they are those of
+/// `ETD_BIDIRECTIONAL`.
+pub const ETD_METROPOLIS: u32 = 6;
 
 /// Weights in proportion to densities.
 pub const ETD_BALANCE: u32 = 0;
@@ -40,7 +45,8 @@ pub const ETD_SOBOL: u32 = 1;
 pub struct EtdSettings {
     /// sizeof(EtdSettings).
     pub struct_size: u32,
-    /// `ETD_PATH`, `ETD_LIGHT`, `ETD_BIDIRECTIONAL`, `ETD_DISTRIBUTED`, `ETD_QUADRATURE` or `ETD_QUADRATURE_AND_PATH`.
+    /// `ETD_PATH`, `ETD_LIGHT`, `ETD_BIDIRECTIONAL`, `ETD_DISTRIBUTED`, `ETD_QUADRATURE`, `ETD_QUADRATURE_AND_PATH` or
+    /// `ETD_METROPOLIS`.
     pub estimator: u32,
     /// `ETD_BALANCE`, `ETD_POWER`, `ETD_CUTOFF` or `ETD_MAXIMUM`.
     pub heuristic: u32,
@@ -63,6 +69,10 @@ pub struct EtdSettings {
     pub sequence: u32,
     /// Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1; 0: all go on.
     pub roulette: f32,
+    /// `ETD_METROPOLIS`: how often a step of a chain is a path drawn anew, 0 to 1.
+    pub large_steps: f32,
+    /// `ETD_METROPOLIS`: the largest change of a random number in the other steps, above 0, at most 0.5.
+    pub step_size: f32,
 }
 
 // SAFETY: repr(C), the size first, numbers only.
@@ -94,6 +104,14 @@ pub unsafe extern "C" fn etd_settings_default(settings: *mut EtdSettings) -> Etd
                 shift: rule.shift.into(),
                 sequence: ETD_INDEPENDENT,
                 roulette: Settings::default().roulette,
+                #[cfg(feature = "metropolis")]
+                large_steps: Settings::default().mutations.large,
+                #[cfg(not(feature = "metropolis"))]
+                large_steps: 0.0,
+                #[cfg(feature = "metropolis")]
+                step_size: Settings::default().mutations.size,
+                #[cfg(not(feature = "metropolis"))]
+                step_size: 0.0,
             });
         }
         Ok(())
@@ -121,6 +139,10 @@ pub(super) fn settings(pointer: *const EtdSettings) -> Result<Settings, EtdStatu
             ETD_QUADRATURE => Estimator::Quadrature,
             #[cfg(feature = "quadrature")]
             ETD_QUADRATURE_AND_PATH => Estimator::QuadratureAndPath,
+            #[cfg(feature = "metropolis")]
+            ETD_METROPOLIS => Estimator::Metropolis,
+            #[cfg(not(feature = "metropolis"))]
+            ETD_METROPOLIS => return Err(super::status::ETD_E_UNSUPPORTED),
             #[cfg(not(feature = "quadrature"))]
             ETD_QUADRATURE | ETD_QUADRATURE_AND_PATH => {
                 return Err(super::status::ETD_E_UNSUPPORTED);
@@ -147,10 +169,7 @@ pub(super) fn settings(pointer: *const EtdSettings) -> Result<Settings, EtdStatu
             _ => return Err(ETD_E_ARGUMENT),
         },
         seed: s.seed,
-        roulette: match s.roulette {
-            share if (0.0..=1.0).contains(&share) => share,
-            _ => return Err(ETD_E_ARGUMENT),
-        },
+        roulette: share(s.roulette)?,
         tree: Tree {
             branching: s.branching,
             lights: within(s.light_samples, 1, u8::MAX.into())? as u8,
@@ -161,8 +180,25 @@ pub(super) fn settings(pointer: *const EtdSettings) -> Result<Settings, EtdStatu
             shift: s.shift != 0,
             ..Rule::default()
         },
+        #[cfg(feature = "metropolis")]
+        mutations: Mutations {
+            large: share(s.large_steps)?,
+            size: match s.step_size {
+                size if size > 0.0 && size <= 0.5 => size,
+                _ => return Err(ETD_E_ARGUMENT),
+            },
+        },
         explicit_weights: false,
     })
+}
+
+/// A share of something.
+fn share(x: f32) -> Result<f32, EtdStatus> {
+    if (0.0..=1.0).contains(&x) {
+        Ok(x)
+    } else {
+        Err(ETD_E_ARGUMENT)
+    }
 }
 
 /// A number in its range.

@@ -93,10 +93,12 @@ impl State {
     /// Hands `share`/f* of the contribution to its pixels.
     #[inline(always)]
     fn splat(&self, scene: &Scene<'_>, share: Real, splat: &mut impl FnMut([u32; 2], Rgb)) {
-        if !(share > 0.0 && self.importance > 0.0) {
+        // 0/0, and what is so small that 1/f* isn't a number any more.
+        let factor = share / self.importance;
+        if !(share > 0.0 && factor.is_finite()) {
             return;
         }
-        let value = self.contribution.value * (share / self.importance);
+        let value = self.contribution.value * factor;
         spread(scene, self.contribution.raster, self.pixel, value, splat);
     }
 }

@@ -139,7 +139,7 @@ pub unsafe extern "ptx-kernel" fn etd_render(
             depth: job.depth_and_shift as u8,
             shift: job.depth_and_shift >> 16 != 0,
         },
-        explicit_weights: false,
+        ..Settings::default()
     };
     let step = Step::new(scene.film_exponent());
     let mut scratch = Scratch::<CAPACITY>::new();

@@ -128,3 +128,79 @@ fn flip(mut bits: u32, seed: u32) -> u32 {
     bits ^= bits.wrapping_mul(0x0552_6c56);
     bits ^ bits.wrapping_mul(0x53a2_2864)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Sobol;
+    use crate::random::{Purpose, Sampler, Subpath};
+    use crate::real::Real;
+
+    fn at(seed: u64, index: u64, vertex: u32) -> Sobol {
+        let mut numbers = Sobol::new(seed, 17, index);
+        numbers.at(Subpath::Sensor, vertex);
+        numbers
+    }
+
+    /// Of 2^m points one lies in each elementary interval of area 2^-m, whatever its shape: a (0, m, 2)-net, also from other starts.
+    #[test]
+    fn every_power_of_two_is_stratified_in_all_ways() {
+        const M: u32 = 8;
+        for (seed, vertex, first) in [(0, 1, 0), (7, 3, 0), (1, 2, 256), (9, 1, 512)] {
+            for columns in 0..=M {
+                let mut seen = [false; 1 << M];
+                for index in first..first + (1 << M) {
+                    let [x, y] = at(seed, index, vertex).two(Purpose::Direction);
+                    let scale = |n: u32| (1u32 << n) as Real;
+                    let (column, row) =
+                        ((x * scale(columns)) as u32, (y * scale(M - columns)) as u32);
+                    let cell = &mut seen[(row << columns | column) as usize];
+                    assert!(!*cell, "2^{columns} columns: {column}, {row} twice");
+                    *cell = true;
+                }
+            }
+        }
+    }
+
+    /// Pairs for different purposes, vertices, elements and seeds have nothing to do with each other: the correlation of 4096 points is below
+    /// 5 standard deviations, in each of 4 pairings.
+    #[test]
+    fn pairs_are_independent() {
+        const N: u64 = 4096;
+        let other = |index: u64, which: u32| match which {
+            0 => at(3, index, 1).one(Purpose::Position),
+            1 => at(3, index, 2).one(Purpose::Direction),
+            2 => at(4, index, 1).one(Purpose::Direction),
+            _ => {
+                let mut numbers = Sobol::new(3, 18, index);
+                numbers.at(Subpath::Sensor, 1);
+                numbers.one(Purpose::Direction)
+            }
+        };
+        for which in 0..4 {
+            let sum: f64 = (0..N)
+                .map(|i| {
+                    let x = f64::from(at(3, i, 1).one(Purpose::Direction)) - 0.5;
+                    x * (f64::from(other(i, which)) - 0.5)
+                })
+                .sum();
+            let deviation = sum / (N as f64 / 144.0).sqrt();
+            assert!(deviation.abs() < 5.0, "{which}: {deviation}");
+        }
+    }
+
+    /// What is asked for again at a vertex, or at a vertex that has been left, is another number.
+    #[test]
+    fn nothing_is_given_twice() {
+        let mut numbers = at(1, 5, 1);
+        let first = numbers.two(Purpose::Direction);
+        assert_ne!(first, numbers.two(Purpose::Direction));
+        numbers.at(Subpath::Light, 1);
+        assert_ne!(first, numbers.two(Purpose::Direction));
+        numbers.at(Subpath::Sensor, 2);
+        let second = numbers.two(Purpose::Direction);
+        numbers.at(Subpath::Sensor, 1);
+        assert_ne!(first, numbers.two(Purpose::Direction));
+        numbers.at(Subpath::Sensor, 2);
+        assert_ne!(second, numbers.two(Purpose::Direction));
+    }
+}

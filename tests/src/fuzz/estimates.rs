@@ -1,7 +1,8 @@
 //! What must hold of every scene that the gate lets in.
 
 use etendue::blob::format::needs;
-use etendue::estimate::{Rule, Tree};
+use etendue::estimate::{Chain, Lengths, Rule, Tree};
+use etendue::random::Sequence;
 use etendue::real::Vec3;
 use etendue::shape::IsaKind;
 use etendue::spectrum::Spectrum;
@@ -47,6 +48,12 @@ fn answers(scene: &Scene<'_>, seed: u64) -> Answers {
             heuristic,
             max_edges: Some(EDGES),
             seed,
+            sequence: if seed & 2 != 0 {
+                Sequence::Sobol
+            } else {
+                Sequence::Independent
+            },
+            roulette: [0.5, 0.0, 1.0][(seed % 3) as usize],
             tree: Tree {
                 branching: [2, 2, 1, 0, 0, 0, 0, 0],
                 lights: 2,
@@ -85,7 +92,28 @@ fn answers(scene: &Scene<'_>, seed: u64) -> Answers {
         fine(scene, value, "probe");
         out.push((value.to_array(), [0.0; 3], 0));
     }
+    chains(scene, &settings, &mut scratch, &mut out);
     out
+}
+
+/// A few steps of a few chains.
+fn chains(scene: &Scene<'_>, settings: &Settings, scratch: &mut Scratch<8>, out: &mut Answers) {
+    let [width, height] = scene.size();
+    let (lengths, mut chain) = (Lengths::default(), Chain::<4>::new());
+    for path in 0..6 {
+        let view = &mut scratch.view(scene);
+        let (_, importance) = scene.bootstrap(settings, &lengths, path, view);
+        assert!(importance.is_finite() && importance >= 0.0, "{importance}");
+        chain.start(scene, settings, &lengths, path, path, view);
+        let (mut splats, mut count) = (Rgb::BLACK, 0);
+        chain.advance(scene, settings, 1.0, 6, view, &mut |[x, y], value| {
+            assert!(x < width && y < height, "a splat at {x}, {y}");
+            fine(scene, value, "splat of a chain");
+            splats += value;
+            count += 1;
+        });
+        out.push(([importance; 3], splats.to_array(), count));
+    }
 }
 
 fn fine(scene: &Scene<'_>, value: Rgb, what: &str) {

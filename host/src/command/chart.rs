@@ -1,0 +1,498 @@
+//! `etendue chart`.
+
+use super::how::How;
+use super::reading::Reading;
+use super::render::{catch_interrupt, duration};
+use super::screen::Screen;
+use super::{Failure, warn};
+use crate::chart::{
+    Facts, Plan, Reference, Subject, html, json, measure, plots, png, reference, svg,
+};
+use crate::develop::{AS_IT_IS, Format, Linear, check_writable, encode, read, write_files};
+use crate::scene::{Changes, prepare};
+use clap::{Args, FromArgMatches};
+use std::collections::HashMap;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::time::Duration;
+
+/// Chart speed against accuracy: variants of a render on a ladder of budgets
+///
+/// Each variant is rendered with 1, 2, 4, … samples per pixel until its share of the budget is spent, several seeds each, and compared with a reference.
+/// The report is one HTML file: error against CPU time and against samples, efficiencies with their intervals, images, error maps, tails. Ctrl-C ends it
+/// without a report.
+#[derive(Args, Debug)]
+pub struct Chart {
+    /// Mitsuba 3 scene (.xml) or compiled blob (.etd)
+    pub(super) scene: PathBuf,
+    /// Estimators to compare; the same as --sweep estimator=A,B,…
+    #[arg(long, value_name = "A,B,…")]
+    estimators: Option<String>,
+    /// Values of any flag that says how light is estimated or the scene is read: mis=balance,power; sampler=independent,sobol; max-depth=4,8,-1;
+    /// fresnel=exact,schlick; color=rgb,spectral; precision=single,double; branching=8,4,2;4,4,4 (values that have commas: semicolons in between);
+    /// shift=false,true. May be repeated: all combinations
+    #[arg(long, value_name = "KEY=V1,V2…", value_parser = sweep)]
+    sweep: Vec<Sweep>,
+    /// CPU time of all variants together, without the reference
+    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
+    budget: Duration,
+    /// Image that errors are taken against; REF_noise.exr beside it, half the difference of two halves, tells its own noise
+    #[arg(long, value_name = "REF", conflicts_with = "reference_budget")]
+    reference: Option<PathBuf>,
+    /// CPU time of a reference that is rendered here, in two halves that tell its noise [default: 2 × --budget]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    reference_budget: Option<Duration>,
+    /// Estimator of that reference: one that makes all light of the scene
+    #[arg(long, value_name = "ESTIMATOR", default_value = "bidirectional")]
+    reference_estimator: String,
+    /// Renders of each budget
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(2..=64))]
+    seeds: u64,
+    /// Report to write (.html)
+    #[arg(short, long, value_name = "REPORT")]
+    output: PathBuf,
+    /// All numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Folder to which each plot is written too, as SVG and PNG
+    #[arg(long, value_name = "FOLDER")]
+    plots: Option<PathBuf>,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    threads: Option<u32>,
+    /// Columns of the image
+    #[arg(long, value_name = "W")]
+    width: Option<u32>,
+    /// Rows of the image
+    #[arg(long, value_name = "H")]
+    height: Option<u32>,
+    #[command(flatten)]
+    variant: Variant,
+    #[command(flatten)]
+    screen: Screen,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// What variants differ in.
+#[derive(Args, Debug)]
+struct Variant {
+    #[command(flatten)]
+    how: How,
+    #[command(flatten)]
+    reading: Reading,
+    /// Precision that light is estimated in
+    #[arg(long, value_enum, default_value_t = PrecisionName::Single)]
+    precision: PrecisionName,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
+enum PrecisionName {
+    /// f32
+    Single,
+    /// f64, by the same source
+    Double,
+}
+
+/// A flag and the values that it takes in turn.
+#[derive(Clone, Debug)]
+struct Sweep {
+    key: String,
+    values: Vec<String>,
+}
+
+/// `KEY=V1,V2`.
+fn sweep(text: &str) -> Result<Sweep, String> {
+    let expected = || format!("expected KEY=V1,V2,… where --KEY is a flag, found {text:?}");
+    let (key, values) = text.split_once('=').ok_or_else(expected)?;
+    let separator = if values.contains(';') { ';' } else { ',' };
+    let values: Vec<String> = values.split(separator).map(|v| v.trim().into()).collect();
+    if key.is_empty() || values.iter().any(String::is_empty) {
+        return Err(expected());
+    }
+    Ok(Sweep {
+        key: key.trim_start_matches('-').into(),
+        values,
+    })
+}
+
+/// The flags of variants alone.
+fn flags() -> clap::Command {
+    // What comes later replaces what was there.
+    Variant::augment_args(
+        clap::Command::new("chart")
+            .no_binary_name(true)
+            .args_override_self(true),
+    )
+}
+
+/// The variant that the command line asks for, with these flags put in.
+fn variant(line: &[OsString], changes: &[(String, String)]) -> Result<Variant, String> {
+    let command = flags();
+    let mut all: Vec<OsString> = line.to_vec();
+    for (key, value) in changes {
+        let argument = command.get_arguments().find(|a| a.get_long() == Some(key));
+        let Some(argument) = argument.filter(|a| a.get_id() != "define") else {
+            let known: Vec<_> = command
+                .get_arguments()
+                .filter_map(|a| a.get_long())
+                .collect();
+            return Err(format!(
+                "--sweep {key}: expected one of {}",
+                known.join(", ")
+            ));
+        };
+        match (argument.get_action(), value.as_str()) {
+            (clap::ArgAction::SetTrue, "true") => all.push(format!("--{key}").into()),
+            (clap::ArgAction::SetTrue, "false") => all.retain(|a| *a != *format!("--{key}")),
+            (clap::ArgAction::SetTrue, _) => {
+                return Err(format!("--sweep {key}={value}: expected true or false"));
+            }
+            _ => all.push(format!("--{key}={value}").into()),
+        }
+    }
+    let matches = command.try_get_matches_from(all);
+    matches
+        .and_then(|m| Variant::from_arg_matches(&m))
+        .map_err(|e| {
+            let text = e.to_string();
+            let text = text.split("\n\n").next().unwrap_or_default();
+            text.trim_start_matches("error: ").into()
+        })
+}
+
+/// Of the arguments of the whole program, those that [`Variant`] knows: they are parsed again for each variant.
+fn own(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let command = flags();
+    let known = |name: &str| {
+        command.get_arguments().find(|a| {
+            name.strip_prefix("--")
+                .is_some_and(|n| a.get_long() == Some(n))
+                || name
+                    .strip_prefix('-')
+                    .is_some_and(|n| a.get_short().is_some_and(|s| n == s.to_string()))
+        })
+    };
+    let mut mine = Vec::new();
+    let mut arguments = arguments.peekable();
+    while let Some(argument) = arguments.next() {
+        let text = argument.to_string_lossy().into_owned();
+        let name = text.split('=').next().unwrap_or_default();
+        if text.starts_with("-D") && text.len() > 2 {
+            mine.push(argument);
+        } else if let Some(found) = known(name) {
+            let takes = matches!(
+                found.get_action(),
+                clap::ArgAction::Set | clap::ArgAction::Append
+            );
+            mine.push(argument);
+            if takes && !text.contains('=') {
+                mine.extend(arguments.next());
+            }
+        }
+    }
+    mine
+}
+
+/// All combinations.
+fn product(sweeps: &[Sweep]) -> Vec<Vec<(String, String)>> {
+    sweeps.iter().fold(vec![Vec::new()], |all, sweep| {
+        let longer = |before: &Vec<(String, String)>| {
+            let before = before.clone();
+            sweep.values.iter().map(move |value| {
+                let mut changes = before.clone();
+                changes.push((sweep.key.clone(), value.clone()));
+                changes
+            })
+        };
+        all.iter().flat_map(longer).collect()
+    })
+}
+
+impl Chart {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let mut files = vec![self.output.clone()];
+        files.extend(self.json.clone());
+        for file in &files {
+            check_writable(file)?;
+        }
+        if let Some(folder) = &self.plots {
+            check_writable(&folder.join("plot"))?;
+        }
+        let line = own(std::env::args_os().skip(2));
+        let mut warnings = Vec::new();
+        let subjects = self.subjects(&line, &mut warnings)?;
+        let seconds = self.budget.as_secs_f64();
+        let threads = self.threads.unwrap_or(0) as usize;
+        let stop = catch_interrupt()?;
+        let progress = |text: String| {
+            if !self.quiet {
+                eprintln!("{text}");
+            }
+        };
+
+        let given = self.reference.as_deref().map(given).transpose()?;
+        let reference = match given {
+            Some(reference) => reference,
+            None => {
+                let budget = self
+                    .reference_budget
+                    .map_or(2.0 * seconds, |b| b.as_secs_f64());
+                progress(format!(
+                    "reference: {budget:.0} CPU s of {}",
+                    self.reference_estimator
+                ));
+                let change = [("estimator".into(), self.reference_estimator.clone())];
+                let how = variant(&line, &change)?;
+                let subject =
+                    self.subject("reference", how, &mut HashMap::new(), &mut Vec::new())?;
+                let made = reference(&subject, budget, threads, &stop);
+                made.map_err(|e| format!("{}: {e}", self.scene.display()))?
+                    .ok_or(Failure::Interrupted)?
+            }
+        };
+        let plan = Plan {
+            seconds: seconds / subjects.len() as f64,
+            seeds: self.seeds,
+            threads,
+        };
+        let mut all = Vec::new();
+        for subject in subjects {
+            let scene =
+                etendue::Scene::open(subject.prepared.blob.bytes()).map_err(|e| e.to_string())?;
+            if scene.size() != reference.image.size {
+                let ([w, h], [x, y]) = (scene.size(), reference.image.size);
+                return Err(format!("{}: the reference is {x} × {y}, the scene {w} × {h}: expected images of one size", self.scene.display()).into());
+            }
+            let name = subject.name.clone();
+            let watch = &mut |passes: u64, done: f64| {
+                progress(format!(
+                    "{name}: {passes} samples per pixel, {:.0} % of its budget",
+                    100.0 * done
+                ));
+            };
+            let measured = measure(subject, &reference, &plan, &stop, watch)
+                .map_err(|e| format!("{}: {e}", self.scene.display()))?;
+            all.push(measured.ok_or(Failure::Interrupted)?);
+        }
+        if let Some(reason) = all
+            .iter()
+            .map(|m| m.refused.clone())
+            .collect::<Option<Vec<_>>>()
+        {
+            return Err(format!(
+                "{}: every variant is refused: {}",
+                self.scene.display(),
+                reason.join("; ")
+            )
+            .into());
+        }
+        let facts = Facts {
+            scene: self
+                .scene
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+            command: command_line(),
+            warnings,
+            tone: self.screen.tone(),
+            seeds: self.seeds,
+        };
+        self.write(&all, &reference, &facts)
+    }
+
+    /// All variants, ready to render.
+    fn subjects(
+        &self,
+        line: &[OsString],
+        warnings: &mut Vec<String>,
+    ) -> Result<Vec<Subject>, Failure> {
+        let mut sweeps = Vec::new();
+        if let Some(estimators) = &self.estimators {
+            sweeps.push(sweep(&format!("estimator={estimators}"))?);
+        }
+        sweeps.extend(self.sweep.iter().cloned());
+        let mut scenes = HashMap::new();
+        let mut subjects = Vec::new();
+        for changes in product(&sweeps) {
+            let how = variant(line, &changes)?;
+            let name = if changes.is_empty() {
+                "as it is".into()
+            } else {
+                let words = changes.iter().map(|(key, value)| match key.as_str() {
+                    "estimator" => value.clone(),
+                    _ => format!("{key} {value}"),
+                });
+                words.collect::<Vec<_>>().join(", ")
+            };
+            subjects.push(self.subject(&name, how, &mut scenes, warnings)?);
+        }
+        Ok(subjects)
+    }
+
+    /// One of them. Scenes that are read alike are read once.
+    fn subject(
+        &self,
+        name: &str,
+        variant: Variant,
+        scenes: &mut HashMap<String, Rc<crate::scene::Prepared>>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Subject, String> {
+        let key = format!("{:?}", variant.reading);
+        if !scenes.contains_key(&key) {
+            let changes = Changes {
+                width: self.width,
+                height: self.height,
+                ..variant.reading.changes()
+            };
+            let prepared = prepare(&self.scene, &variant.reading.define, changes)?;
+            for warning in &prepared.warnings {
+                if !warnings.contains(warning) {
+                    warnings.push(warning.clone());
+                }
+            }
+            if !self.quiet && scenes.is_empty() {
+                warn(&prepared.warnings);
+            }
+            scenes.insert(key.clone(), Rc::new(prepared));
+        }
+        let prepared = Rc::clone(&scenes[&key]);
+        Ok(Subject {
+            name: name.into(),
+            settings: variant.how.settings(prepared.advice.max_depth),
+            double: variant.precision == PrecisionName::Double,
+            prepared,
+        })
+    }
+
+    /// Writes everything, or nothing.
+    fn write(
+        &self,
+        all: &[crate::chart::Measured],
+        reference: &Reference,
+        facts: &Facts,
+    ) -> Result<(), Failure> {
+        let mut made: Vec<(PathBuf, Vec<u8>)> = vec![(
+            self.output.clone(),
+            html(all, reference, facts)?.into_bytes(),
+        )];
+        if let Some(file) = &self.json {
+            let text = format!("{:#}\n", json(all, reference, facts));
+            made.push((file.clone(), text.into_bytes()));
+        }
+        if let Some(folder) = &self.plots {
+            for (name, plot) in plots(all, facts.seeds) {
+                made.push((folder.join(format!("{name}.svg")), svg(&plot)?.into_bytes()));
+                let pixels = png(&plot)?
+                    .into_iter()
+                    .map(|p| p.map(|c| f32::from(c) / 255.0));
+                let image = Linear {
+                    size: crate::chart::SIZE.into(),
+                    pixels: pixels.collect(),
+                };
+                let file = encode(Format::Png, &image, AS_IT_IS).map_err(|e| e.to_string())?;
+                made.push((folder.join(format!("{name}.png")), file));
+            }
+        }
+        let files: Vec<(&Path, &[u8])> = made
+            .iter()
+            .map(|(p, b)| (p.as_path(), b.as_slice()))
+            .collect();
+        write_files(&files)?;
+        Ok(())
+    }
+}
+
+/// A reference from a file.
+fn given(path: &Path) -> Result<Reference, String> {
+    let image = read(path).map_err(|e| e.to_string())?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let beside = path.with_file_name(format!("{name}_noise.exr"));
+    let noise = if beside.exists() {
+        let half = read(&beside).map_err(|e| e.to_string())?;
+        if half.size != image.size {
+            return Err(format!(
+                "{}: expected the size of {}",
+                beside.display(),
+                path.display()
+            ));
+        }
+        Some(crate::chart::noise(&half.pixels, &image))
+    } else {
+        None
+    };
+    Ok(Reference {
+        image,
+        origin: format!("{}.", path.display()),
+        noise,
+    })
+}
+
+/// The command, as it can be given again.
+fn command_line() -> String {
+    let quoted = std::env::args().skip(1).map(|a| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./:,+".contains(c);
+        if a.chars().all(plain) {
+            a
+        } else {
+            format!("'{}'", a.replace('\'', "'\\''"))
+        }
+    });
+    format!("etendue {}", quoted.collect::<Vec<_>>().join(" "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{own, product, sweep, variant};
+    use std::ffi::OsString;
+
+    fn line(text: &str) -> Vec<OsString> {
+        text.split_whitespace().map(Into::into).collect()
+    }
+
+    #[test]
+    fn sweeps_multiply() {
+        let all = product(&[sweep("a=1,2").unwrap(), sweep("b=x;y,z;w").unwrap()]);
+        assert_eq!(all.len(), 6);
+        assert_eq!(
+            all[1],
+            [("a".into(), "1".into()), ("b".into(), "y,z".into())]
+        );
+        assert!(sweep("a").is_err() && sweep("a=").is_err() && sweep("=b").is_err());
+    }
+
+    #[test]
+    fn variants_take_the_command_lines_flags_and_their_own() {
+        let mine = own(line(
+            "scene.xml --mis balance -o x.html --seed=3 --budget 3s -D a=b -Dc=d --shift",
+        )
+        .into_iter());
+        assert_eq!(mine, line("--mis balance --seed=3 -D a=b -Dc=d --shift"));
+        let v = variant(
+            &mine,
+            &[
+                ("mis".into(), "maximum".into()),
+                ("shift".into(), "false".into()),
+            ],
+        )
+        .unwrap();
+        let s = v.how.settings(None);
+        assert_eq!(
+            (s.heuristic, s.seed, s.rule.shift),
+            (etendue::Heuristic::Maximum, 3, false)
+        );
+        assert_eq!(v.reading.define.len(), 2);
+        for (key, value) in [
+            ("mis", "best"),
+            ("nonsense", "1"),
+            ("shift", "perhaps"),
+            ("seed", "-1"),
+        ] {
+            let e = variant(&mine, &[(key.into(), value.into())]).unwrap_err();
+            assert!(e.contains(key) || e.contains(value), "{e}");
+        }
+    }
+}

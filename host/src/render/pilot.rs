@@ -1,0 +1,109 @@
+//! Which estimator suits a scene: a short pilot measures what an equal effort would buy.
+//!
+//! Of each candidate the pilot takes two samples of each of some pixels. With a sample's own value v and its splats s, the image's total squared error after
+//! one pass is, per pixel,
+//!
+//! ```text
+//! MSE = mean (v₁ − v₂)²/2 + mean Σ s²
+//! ```
+//!
+//! The second part is what splats add: those that a pixel receives come from as many light walks as the image has pixels, each of which seldom hits it, and the
+//! variance of such a sum is that of a compound Poisson variable. One pass has a walk for each pixel, so that the mean over pixels is that over walks. Efficiency is 1/(MSE × cost). Pilot samples have numbers of their own and don't enter the image.
+
+use super::{CAPACITY, sample};
+use etendue::random::{Pcg, Purpose, Sampler};
+use etendue::{Counters, Estimator, Rgb, Scene, Scratch, Settings};
+use std::time::Instant;
+
+/// Who competes: those that make all light of most scenes, and whose samples are independent. Chains' aren't, and a short pilot can't tell how much they
+/// depend on each other.
+const CANDIDATES: [Estimator; 2] = [Estimator::Path, Estimator::Bidirectional];
+/// Pixels that are looked at.
+const PIXELS: u64 = 1 << 13;
+/// Of this number and more are the samples of the pilot: no render gets there.
+const FIRST: u64 = 1 << 48;
+
+/// How effort is counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    /// In rays: the same each time.
+    Rays,
+    /// In seconds.
+    Seconds,
+}
+
+/// What the pilot found of a candidate.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// Which.
+    pub estimator: Estimator,
+    /// Squared error of a sample, mean over pixels and channels.
+    pub mse: f64,
+    /// Rays or microseconds of a sample.
+    pub cost: f64,
+}
+
+impl Found {
+    /// 1/(MSE × cost); without any error, infinite.
+    pub fn efficiency(&self) -> f64 {
+        1.0 / (self.mse * self.cost)
+    }
+}
+
+/// What the pilot found of all candidates, the best first; ties in their own order.
+pub fn pilot(scene: &Scene<'_>, settings: &Settings, cost: Cost) -> Vec<Found> {
+    let mut all: Vec<Found> = CANDIDATES
+        .iter()
+        .filter(|e| e.refuses(scene).is_none())
+        .map(|&estimator| {
+            let settings = Settings {
+                estimator,
+                ..*settings
+            };
+            found(scene, &settings, cost)
+        })
+        .collect();
+    // Stable, and NaN (no error at no cost) counts as the best there is.
+    let rank = |f: &Found| if f.mse > 0.0 { f.efficiency() } else { f64::INFINITY };
+    all.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
+    all
+}
+
+fn found(scene: &Scene<'_>, settings: &Settings, cost: Cost) -> Found {
+    let [width, height] = scene.size();
+    let mut scratch = Box::new(Scratch::<CAPACITY>::new());
+    let started = Instant::now();
+    let square = |v: Rgb| v.to_array().map(|x| f64::from(x) * f64::from(x)).iter().sum::<f64>() / 3.0;
+    let mut sum = 0.0;
+    for i in 0..PIXELS {
+        // Spread evenly: the golden ratio's multiples along the image, at random across.
+        let x = f64::from(Pcg::new(settings.seed, FIRST, i).one(Purpose::Filter));
+        let y = (i as f64 * 0.618_033_988_749_895).fract();
+        let at = |x: f64, n: u32| ((x * f64::from(n)) as u32).min(n - 1);
+        let pixel = [at(x, width), at(y, height)];
+        let mut splats = 0.0;
+        let mut one = |index| {
+            // What lands in one pixel together counts together, but seldom does.
+            let splat = &mut |_: [u32; 2], v: Rgb| splats += 0.5 * square(v);
+            sample(scene, settings, pixel, FIRST + index, &mut scratch, splat)
+        };
+        let (a, b) = (one(2 * i), one(2 * i + 1));
+        let difference = a.to_array().iter().zip(b.to_array());
+        let own: f64 = difference.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>() / 3.0;
+        sum += 0.5 * own + splats;
+    }
+    let samples = (2 * PIXELS) as f64;
+    let Counters {
+        closest_rays,
+        shadow_rays,
+        ..
+    } = scratch.counters;
+    Found {
+        estimator: settings.estimator,
+        mse: sum / PIXELS as f64,
+        cost: match cost {
+            Cost::Rays => (closest_rays + shadow_rays) as f64 / samples,
+            Cost::Seconds => 1e6 * started.elapsed().as_secs_f64() / samples,
+        },
+    }
+}

@@ -1,0 +1,160 @@
+//! Chains give what samples give, whatever the seed, the threads and the batches.
+
+use super::{BLOCKS, Complete, Estimate, estimates, media, scenes, spectra};
+use etendue::estimate::Mutations;
+use etendue::{Estimator, Heuristic, Scene, Settings};
+use etendue_host::blob::AlignedBlob;
+use etendue_host::description::Description;
+use etendue_host::render::{Budget, Device, Options, Rendered, render};
+use etendue_tests::render::blob;
+use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
+
+/// Renders that are independent of each other, bootstrap included: what spreads them is all the chance that there is.
+const RUNS: u64 = 24;
+/// Steps per pixel of each.
+const PASSES: u64 = 256;
+
+fn rendered(bytes: &AlignedBlob, seed: u64, passes: u64, threads: usize, large: f32) -> Rendered {
+    let scene = Scene::open(bytes.bytes()).unwrap();
+    let mutations = Mutations {
+        large,
+        ..Mutations::default()
+    };
+    let options = Options {
+        settings: Settings {
+            estimator: Estimator::Metropolis,
+            mutations,
+            seed,
+            ..Settings::default()
+        },
+        budget: Budget::Passes(passes),
+        threads,
+        device: Device::Cpu,
+    };
+    render(&scene, &options, &AtomicBool::new(false), &|_| ()).unwrap()
+}
+
+/// The means of blocks, as [`super::of_blob`] gives them, from independent renders.
+fn blocks(d: &Description) -> Vec<Estimate> {
+    let bytes = blob(d);
+    let runs: Vec<Vec<f64>> = (0..RUNS)
+        .into_par_iter()
+        .map(|seed| {
+            let r = rendered(&bytes, seed, PASSES, 1, Mutations::default().large);
+            assert_eq!(r.counters.rejected, 0);
+            let [w, h] = r.size;
+            let mut sums = vec![0.0; (BLOCKS * BLOCKS * 3) as usize];
+            for (value, i) in r.image.iter().zip(0..) {
+                let (x, y) = (i % w, i / w);
+                let block = ((y * BLOCKS / h) * BLOCKS + x * BLOCKS / w) as usize * 3;
+                for c in 0..3 {
+                    sums[block + c] += f64::from(value[c]);
+                }
+            }
+            let per_block = f64::from(w * h) / f64::from(BLOCKS * BLOCKS);
+            sums.iter().map(|s| s / per_block).collect()
+        })
+        .collect();
+    (0..runs[0].len())
+        .map(|i| Estimate::of(&runs.iter().map(|r| r[i]).collect::<Vec<_>>()))
+        .collect()
+}
+
+/// About 2500 comparisons with 23 degrees of freedom at least: P(|t| > 7.5) = 1.3e-7, so that right code fails about once in 3000 choices of seeds.
+fn agree(scenes: Vec<(&'static str, Description, Complete)>) {
+    const T: f64 = 7.5;
+    for (name, d, _) in &scenes {
+        println!("{name}");
+        let truth = estimates(d, Estimator::Bidirectional, Heuristic::Power, None, 24);
+        let chains = blocks(d);
+        let mut spread = 0.0;
+        for (i, (x, y)) in chains.iter().zip(&truth).enumerate() {
+            let z = x.z(y);
+            assert!(
+                z.abs() < T,
+                "{name}: block {i}: chains {x:?} against {y:?}: z = {z:.1}"
+            );
+            spread += x.error / truth.iter().map(|e| e.mean).sum::<f64>();
+        }
+        assert!(spread < 0.1, "{name}: too noisy to tell: {spread}");
+    }
+}
+
+#[test]
+fn on_surfaces() {
+    agree(scenes::objects());
+    agree(scenes::glossy().into_iter().take(4).collect());
+}
+
+#[test]
+fn by_all_lights_and_sensors() {
+    agree(scenes::lights());
+    agree(scenes::sensors());
+}
+
+#[test]
+fn in_media() {
+    agree(media::fogs());
+    agree(media::boundaries());
+    agree(media::flames());
+}
+
+#[test]
+fn by_wavelengths() {
+    agree(vec![spectra::dispersing()]);
+}
+
+fn bits(r: &Rendered) -> Vec<u32> {
+    r.image.as_flattened().iter().map(|x| x.to_bits()).collect()
+}
+
+/// Threads and batches are nothing to the bits; a seed is. More passes than the first age: chains have started over.
+#[test]
+fn any_threads_give_the_same_bits() {
+    let bytes = blob(&scenes::plain());
+    let one = rendered(&bytes, 3, 21, 1, 0.3);
+    let three = rendered(&bytes, 3, 21, 3, 0.3);
+    let other = rendered(&bytes, 4, 21, 3, 0.3);
+    assert_eq!(bits(&one), bits(&three));
+    assert_ne!(bits(&one), bits(&other));
+    assert_eq!(one.passes, 21);
+}
+
+/// Where no path carries light the image is black, and nothing hangs.
+#[test]
+fn the_dark_is_dark() {
+    let mut d = scenes::plain();
+    // A lamp that shines away from everything.
+    d.emitters.clear();
+    d.shapes.iter_mut().for_each(|s| s.emission = None);
+    let mut builder = etendue_tests::scenes::Builder::new();
+    builder.light(etendue_host::description::EmitterKind::Spot {
+        position: [0.0, 0.0, 1000.0],
+        direction: [0.0, 0.0, 1.0],
+        intensity: [1.0; 3],
+        cutoff: 0.1,
+        beam_width: 0.05,
+    });
+    d.emitters = builder.description.emitters;
+    let r = rendered(&blob(&d), 0, 4, 2, 0.3);
+    assert!(r.image.as_flattened().iter().all(|&x| x == 0.0));
+}
+
+/// The mean of what all chains splat is that of the bootstrap, whatever the share of large steps: the image's brightness is that mean alone.
+#[test]
+fn brightness_is_that_of_the_bootstrap() {
+    let bytes = blob(&scenes::plain());
+    for large in [0.0, 0.3, 1.0] {
+        let r = rendered(&bytes, 1, 64, 2, large);
+        let mean = r
+            .image
+            .as_flattened()
+            .iter()
+            .map(|&x| f64::from(x))
+            .sum::<f64>()
+            / (3 * r.image.len()) as f64;
+        let report = r.chains.unwrap();
+        assert!((mean / report.mean - 1.0).abs() < 1e-4, "{mean} {report:?}");
+    }
+}
