@@ -1,5 +1,6 @@
 //! The program as a user meets it: its commands, its files, its refusals.
 
+mod chart;
 mod faults;
 mod figures;
 mod refusals;
@@ -81,13 +82,14 @@ fn help_names_every_flag() {
         "inspect",
         "bake",
         "compare",
+        "chart",
         "figures",
         "Exit codes",
         "130",
     ] {
         assert!(help.contains(part), "--help lacks {part}:\n{help}");
     }
-    let flags: [(&str, &[&str]); 6] = [
+    let flags: [(&str, &[&str]); 7] = [
         (
             "render",
             &[
@@ -130,6 +132,23 @@ fn help_names_every_flag() {
         ("compile", &["--output", "-D"]),
         ("inspect", &["-D"]),
         ("compare", &["--json", "--output"]),
+        (
+            "chart",
+            &[
+                "--estimators",
+                "--sweep",
+                "--budget",
+                "--reference",
+                "--reference-budget",
+                "--seeds",
+                "--output",
+                "--json",
+                "--plots",
+                "--precision",
+                "--fresnel",
+                "--tracking",
+            ],
+        ),
         (
             "figures",
             &["--output", "--keep", "--spp-scale", "--scale", "--threads"],
@@ -485,4 +504,48 @@ fn every_estimator_renders() {
         let report = json(&at, &[&render, flags].concat());
         assert!(report["mean_rgb"][0].as_f64().unwrap() > 0.0, "{flags:?}");
     }
+}
+
+#[test]
+fn flags_replace_what_the_file_says_of_each_dielectric_and_grid() {
+    let (_keep, at) = folder();
+    let glass = |schlick: &str| {
+        let model = format!("<bsdf type=\"dielectric\">{schlick}</bsdf>");
+        let ball = "<shape type=\"sphere\"><point name=\"center\" x=\"0.3\" y=\"0.5\" z=\"1\"/><float name=\"radius\" value=\"0.5\"/>";
+        SCENE.replace("</scene>", &format!("{ball}{model}</shape></scene>"))
+    };
+    std::fs::write(at.join("exact.xml"), glass("")).unwrap();
+    let schlick = glass("<boolean name=\"schlick\" value=\"true\"/>");
+    std::fs::write(at.join("schlick.xml"), schlick).unwrap();
+    let render = |scene: &str, flags: &[&str]| {
+        let mut arguments = vec![
+            "render", scene, "-o", "x.exr", "--spp", "64", "--width", "24", "--height", "18",
+            "--quiet",
+        ];
+        arguments.extend(flags);
+        succeed(&at, &arguments);
+        bytes(&at, "x.exr")
+    };
+    let (exact, schlick) = (render("exact.xml", &[]), render("schlick.xml", &[]));
+    assert!(exact != schlick);
+    assert!(render("exact.xml", &["--fresnel", "schlick"]) == schlick);
+    assert!(render("schlick.xml", &["--fresnel", "exact"]) == exact);
+
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/scenes");
+    let smoke = data.join("smoke.xml");
+    let smoke = smoke.to_str().unwrap();
+    let [plain, woodcock, regular, residual] = [
+        render(smoke, &[]),
+        render(smoke, &["--tracking", "woodcock"]),
+        render(smoke, &["--tracking", "regular"]),
+        render(smoke, &["--tracking", "residual"]),
+    ];
+    assert!(plain == woodcock && regular != woodcock && residual != woodcock);
+    succeed(&at, &["compile", "scene.xml", "-o", "scene.etd"]);
+    let output = etendue(
+        &at,
+        &["render", "scene.etd", "-o", "y.exr", "--fresnel", "schlick"],
+    );
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("--fresnel"));
 }

@@ -125,6 +125,9 @@ impl Measured {
 const TOP: usize = 3;
 /// Samples whose contributions are looked at.
 const TAIL_SAMPLES: u64 = 1 << 17;
+/// Or fewer, if they take more than this share of a variant's budget; but not fewer than these.
+const TAIL_SHARE: f64 = 0.1;
+const TAIL_LEAST: u64 = 1 << 12;
 
 /// CPU time of this process, in seconds: what other programs take on a busy machine doesn't count.
 #[cfg(unix)]
@@ -263,12 +266,12 @@ pub fn measure(
             }
         }
     }
-    m.tail = tail(&m.subject)?;
+    m.tail = tail(&m.subject, TAIL_SHARE * plan.seconds, stop)?;
     Ok(Some(m))
 }
 
 /// The contributions of single samples, all that one adds to any pixel together.
-fn tail(subject: &Subject) -> Result<Option<Tail>, String> {
+fn tail(subject: &Subject, seconds: f64, stop: &AtomicBool) -> Result<Option<Tail>, String> {
     if subject.double || subject.settings.estimator == Estimator::Metropolis {
         return Ok(None);
     }
@@ -276,7 +279,13 @@ fn tail(subject: &Subject) -> Result<Option<Tail>, String> {
     let [width, height] = scene.size();
     let mut scratch = Box::new(Scratch::<CAPACITY>::new());
     let grey = |v: etendue::Rgb| f64::from(v.to_array().iter().sum::<f32>()) / 3.0;
+    let begun = cpu_seconds();
+    let goes_on = |index: u64| {
+        let spent = index >= TAIL_LEAST && index % 256 == 0 && cpu_seconds() - begun > seconds;
+        !spent && !stop.load(Ordering::Relaxed)
+    };
     let mut all: Vec<f64> = (0..TAIL_SAMPLES)
+        .take_while(|&index| goes_on(index))
         .map(|index| {
             let [x, y] = Pcg::new(subject.settings.seed, 1 << 63, index).two(Purpose::Filter);
             let at = |x: f32, n: u32| ((x * n as f32) as u32).min(n - 1);

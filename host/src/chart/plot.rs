@@ -14,6 +14,8 @@ use plotters_backend::{
 pub struct Series {
     /// What the legend says.
     pub name: String,
+    /// Selects colour and mark: the same thing has the same in all plots.
+    pub number: usize,
     /// x, y, and the band's lower and upper end, in the order of x.
     pub points: Vec<[f64; 4]>,
     /// Points that are drawn hollow: those beyond what the reference can tell.
@@ -86,6 +88,44 @@ fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     low / 1.5..high * 1.5
 }
 
+/// The corner in which a legend hides least: of places along all lines, evenly in the plot's logarithms, the fewest are there.
+fn corner(plot: &Plot, x: &std::ops::Range<f64>, y: &std::ops::Range<f64>) -> SeriesLabelPosition {
+    /// Parts of the plot's width and height that a legend takes.
+    const PART: [f64; 2] = [0.4, 0.4];
+    const STEPS: u32 = 16;
+    let share = |v: f64, r: &std::ops::Range<f64>| (v / r.start).ln() / (r.end / r.start).ln();
+    let mut places = Vec::new();
+    for series in &plot.series {
+        let at: Vec<[f64; 2]> = series
+            .points
+            .iter()
+            .map(|p| [share(p[0], x), share(p[1], y)])
+            .collect();
+        places.extend(at.first());
+        for pair in at.windows(2) {
+            places.extend((1..=STEPS).map(|k| {
+                let t = f64::from(k) / f64::from(STEPS);
+                [0, 1].map(|i| pair[0][i] + t * (pair[1][i] - pair[0][i]))
+            }));
+        }
+    }
+    let hidden = |right: bool, upper: bool| {
+        let near = |v: f64, far: bool, part: f64| if far { v > 1.0 - part } else { v < part };
+        let there = |p: &&[f64; 2]| near(p[0], right, PART[0]) && near(p[1], upper, PART[1]);
+        places.iter().filter(there).count()
+    };
+    // The first of equals: where lines fall, the upper right is what is looked at last.
+    [
+        (true, true, SeriesLabelPosition::UpperRight),
+        (false, false, SeriesLabelPosition::LowerLeft),
+        (false, true, SeriesLabelPosition::UpperLeft),
+        (true, false, SeriesLabelPosition::LowerRight),
+    ]
+    .into_iter()
+    .min_by_key(|&(right, upper, _)| hidden(right, upper))
+    .map_or(SeriesLabelPosition::UpperRight, |c| c.2)
+}
+
 /// 10^n as such; what is in between in two digits.
 fn label(x: &f64) -> String {
     let n = x.log10();
@@ -128,7 +168,8 @@ fn draw<B: DrawingBackend>(plot: &Plot, area: DrawingArea<B, Shift>) -> Result<(
         .light_line_style(BLACK.mix(0.05))
         .draw()
         .map_err(failed)?;
-    for (series, color) in plot.series.iter().zip(COLORS.iter().cycle()) {
+    for series in &plot.series {
+        let color = COLORS[series.number % COLORS.len()];
         let upper = series.points.iter().map(|p| (p[0], clamp(p[3])));
         let lower = series.points.iter().rev().map(|p| (p[0], clamp(p[2])));
         let outline: Vec<_> = upper.chain(lower).collect();
@@ -149,7 +190,8 @@ fn draw<B: DrawingBackend>(plot: &Plot, area: DrawingArea<B, Shift>) -> Result<(
             .label(name)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], BLACK.mix(0.6)));
     }
-    for (i, (series, color)) in plot.series.iter().zip(COLORS.iter().cycle()).enumerate() {
+    for series in &plot.series {
+        let (i, color) = (series.number, COLORS[series.number % COLORS.len()]);
         let line = series.points.iter().map(|p| (p[0], clamp(p[1])));
         chart
             .draw_series(LineSeries::new(
@@ -158,18 +200,18 @@ fn draw<B: DrawingBackend>(plot: &Plot, area: DrawingArea<B, Shift>) -> Result<(
             ))
             .map_err(failed)?
             .label(&series.name)
-            .legend(move |at| mark(i, at, *color, false));
+            .legend(move |at| mark(i, at, color, false));
         if plot.marks {
             let marks = series.points.iter().zip(&series.hollow);
             let marks = marks.map(|(p, &hollow)| {
-                EmptyElement::at((p[0], clamp(p[1]))) + mark(i, (0, 0), *color, hollow)
+                EmptyElement::at((p[0], clamp(p[1]))) + mark(i, (0, 0), color, hollow)
             });
             chart.draw_series(marks).map_err(failed)?;
         }
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
+        .position(corner(plot, &x, &y))
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.2))
         .label_font(("sans-serif", 13))

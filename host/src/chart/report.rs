@@ -26,11 +26,11 @@ const ERRORS: [&str; 2] = ["MSE", "relMSE"];
 
 /// The plots: of error number `which`, against CPU time and against samples, and tails. Names are files' without extension.
 pub fn plots(all: &[Measured], seeds: u64) -> Vec<(&'static str, Plot)> {
-    let shown = || all.iter().filter(|m| m.refused.is_none());
+    let shown = || (0..).zip(all).filter(|(_, m)| m.refused.is_none());
     let ladder = |which: usize, x: fn(&super::measure::Rung) -> f64| -> Vec<Series> {
         let t = t_quantile(seeds as f64 - 1.0);
         shown()
-            .map(|m| {
+            .map(|(number, m)| {
                 let rungs = m.rungs.iter().filter(|r| r.error(which).0 > 0.0);
                 let points = rungs.clone().map(|r| {
                     let (error, spread) = r.error(which);
@@ -39,6 +39,7 @@ pub fn plots(all: &[Measured], seeds: u64) -> Vec<(&'static str, Plot)> {
                 });
                 Series {
                     name: m.subject.name.clone(),
+                    number,
                     points: points.collect(),
                     hollow: rungs.map(|r| r.limited).collect(),
                 }
@@ -73,10 +74,11 @@ pub fn plots(all: &[Measured], seeds: u64) -> Vec<(&'static str, Plot)> {
         ),
     ];
     let tails: Vec<Series> = shown()
-        .filter_map(|m| {
+        .filter_map(|(number, m)| {
             let tail = m.tail.as_ref()?;
             Some(Series {
                 name: m.subject.name.clone(),
+                number,
                 points: tail.survival.iter().map(|&[p, x]| [x, p, p, p]).collect(),
                 hollow: vec![false; tail.survival.len()],
             })
@@ -219,7 +221,7 @@ code{font:13px/1.5 ui-monospace,monospace;overflow-wrap:anywhere}p{max-width:75c
 .grid{display:grid;gap:1rem;grid-template-columns:repeat(auto-fit,minmax(min(100%,420px),1fr))}.small{grid-template-columns:repeat(auto-fill,minmax(min(100%,220px),1fr))}
 figure{margin:0}figcaption{font-size:.85rem;color:var(--soft)}figure svg,figure img{width:100%;height:auto;display:block;background:#fff;border:1px solid var(--line)}
 .small img{image-rendering:pixelated;background:#000}.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums}
-th,td{text-align:left;padding:.3rem .7rem;border-bottom:1px solid var(--line);vertical-align:top}.note{color:var(--soft)}.warn{border-left:4px solid #d55e00;padding-left:.8rem}";
+th,td{text-align:left;padding:.3rem .7rem;border-bottom:1px solid var(--line);vertical-align:top}th{vertical-align:bottom}td{white-space:nowrap}td[colspan]{white-space:normal}.note{color:var(--soft)}.warn{border-left:4px solid #d55e00;padding-left:.8rem}";
 
 /// The report.
 ///
@@ -318,7 +320,7 @@ fn images(
     let most = top(all);
     let _ = write!(
         out,
-        "</div><h2>Where the errors are</h2><p class=\"note\">Root mean squared error of a pixel over seeds, at the largest budget, less nothing: black is 0, white is {} and more, the same in all (red to yellow is a quarter of that).</p><div class=\"grid small\">",
+        "</div><h2>Where the errors are</h2><p class=\"note\">Root mean squared error of a pixel over seeds, at the largest budget: black is 0, white is {} and more, the same in all (red to yellow is a quarter of that).</p><div class=\"grid small\">",
         number(most.into())
     );
     for m in all.iter().filter(|m| m.refused.is_none()) {
