@@ -141,15 +141,26 @@ impl How {
             return None;
         }
         let found = pilot(scene, settings, cost);
-        let [best, .., second] = &found[..] else {
-            return None;
-        };
+        let best = found.first()?;
         settings.estimator = best.estimator;
+        let Some(second) = found.get(1) else {
+            let name = name(best.estimator);
+            return Some(format!(
+                "{name}: the other one can't make all of this scene's light"
+            ));
+        };
         let unit = match cost {
             Cost::Rays => "rays",
             Cost::Seconds => "microseconds",
         };
-        let of = |f: &Found| format!("{} has an error of {:.2e} at {:.1} {unit} a sample", name(f.estimator), f.mse, f.cost);
+        let of = |f: &Found| {
+            format!(
+                "{} has an error of {:.2e} at {:.1} {unit} a sample",
+                name(f.estimator),
+                f.mse,
+                f.cost
+            )
+        };
         Some(format!(
             "{}: by a pilot {:.2} times as efficient ({}; {})",
             name(best.estimator),

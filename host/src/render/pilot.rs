@@ -11,11 +11,12 @@
 //! variance of such a sum is that of a compound Poisson variable. One pass has a walk for each pixel, so that the mean over pixels is that over walks. Efficiency is 1/(MSE × cost). Pilot samples have numbers of their own and don't enter the image.
 
 use super::{CAPACITY, sample};
+use crate::reach::unreachable;
 use etendue::random::{Pcg, Purpose, Sampler};
 use etendue::{Counters, Estimator, Rgb, Scene, Scratch, Settings};
 use std::time::Instant;
 
-/// Who competes: those that make all light of most scenes, and whose samples are independent. Chains' aren't, and a short pilot can't tell how much they
+/// Who competes, unless one makes light that the other can't: those that make all light of most scenes, and whose samples are independent. Chains' aren't, and a short pilot can't tell how much they
 /// depend on each other.
 const CANDIDATES: [Estimator; 2] = [Estimator::Path, Estimator::Bidirectional];
 /// Pixels that are looked at.
@@ -52,19 +53,26 @@ impl Found {
 
 /// What the pilot found of all candidates, the best first; ties in their own order.
 pub fn pilot(scene: &Scene<'_>, settings: &Settings, cost: Cost) -> Vec<Found> {
+    let with = |estimator| Settings {
+        estimator,
+        ..*settings
+    };
+    // Light that is left out has no error. What bidirectional leaves out, path does.
+    let complete =
+        |e: Estimator| e == Estimator::Bidirectional || unreachable(scene, &with(e)).is_empty();
     let mut all: Vec<Found> = CANDIDATES
         .iter()
-        .filter(|e| e.refuses(scene).is_none())
-        .map(|&estimator| {
-            let settings = Settings {
-                estimator,
-                ..*settings
-            };
-            found(scene, &settings, cost)
-        })
+        .filter(|&&e| complete(e))
+        .map(|&e| found(scene, &with(e), cost))
         .collect();
     // Stable, and NaN (no error at no cost) counts as the best there is.
-    let rank = |f: &Found| if f.mse > 0.0 { f.efficiency() } else { f64::INFINITY };
+    let rank = |f: &Found| {
+        if f.mse > 0.0 {
+            f.efficiency()
+        } else {
+            f64::INFINITY
+        }
+    };
     all.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
     all
 }
@@ -73,7 +81,13 @@ fn found(scene: &Scene<'_>, settings: &Settings, cost: Cost) -> Found {
     let [width, height] = scene.size();
     let mut scratch = Box::new(Scratch::<CAPACITY>::new());
     let started = Instant::now();
-    let square = |v: Rgb| v.to_array().map(|x| f64::from(x) * f64::from(x)).iter().sum::<f64>() / 3.0;
+    let square = |v: Rgb| {
+        v.to_array()
+            .map(|x| f64::from(x) * f64::from(x))
+            .iter()
+            .sum::<f64>()
+            / 3.0
+    };
     let mut sum = 0.0;
     for i in 0..PIXELS {
         // Spread evenly: the golden ratio's multiples along the image, at random across.
@@ -88,8 +102,9 @@ fn found(scene: &Scene<'_>, settings: &Settings, cost: Cost) -> Found {
             sample(scene, settings, pixel, FIRST + index, &mut scratch, splat)
         };
         let (a, b) = (one(2 * i), one(2 * i + 1));
-        let difference = a.to_array().iter().zip(b.to_array());
-        let own: f64 = difference.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>() / 3.0;
+        let (a, b) = (a.to_array(), b.to_array());
+        let squares = (0..3).map(|c| f64::from(a[c] - b[c]).powi(2));
+        let own = squares.sum::<f64>() / 3.0;
         sum += 0.5 * own + splats;
     }
     let samples = (2 * PIXELS) as f64;
