@@ -209,7 +209,7 @@ pub fn measure(
         for seed in 0..plan.seeds {
             let settings = Settings {
                 // Far from the reference's, and from each other in every rung.
-                seed: m.subject.settings.seed + (1 << 32) + passes * plan.seeds + seed,
+                seed: (m.subject.settings.seed ^ 1 << 63).wrapping_add(passes * plan.seeds + seed),
                 ..m.subject.settings
             };
             let (image, seconds) = match image(&m.subject, settings, passes, plan.threads, stop) {

@@ -50,7 +50,7 @@ impl Sobol {
     #[inline(always)]
     fn pair(&mut self, purpose: Purpose) -> Option<u64> {
         let bit = 1 << purpose as u32;
-        let taken = &mut self.taken[self.walk][self.inner];
+        let taken = self.taken.get_mut(self.walk)?.get_mut(self.inner)?;
         if *taken & bit != 0 {
             return None;
         }
@@ -62,13 +62,16 @@ impl Sobol {
 impl Sampler for Sobol {
     fn at(&mut self, subpath: Subpath, vertex: u32) {
         (self.walk, self.inner) = (subpath as usize, usize::from(vertex > 0));
-        let farthest = &mut self.farthest[self.walk];
-        if vertex > *farthest {
-            *farthest = vertex;
-            self.taken[self.walk][1] = 0;
-        } else if vertex > 0 && vertex < *farthest {
-            // It has been here before: branches, a second walk.
-            self.taken[self.walk][1] = u32::MAX;
+        if let (Some(farthest), Some([_, taken])) = (
+            self.farthest.get_mut(self.walk),
+            self.taken.get_mut(self.walk),
+        ) {
+            if vertex > *farthest {
+                (*farthest, *taken) = (vertex, 0);
+            } else if vertex > 0 && vertex < *farthest {
+                // It has been here before: branches, a second walk.
+                *taken = u32::MAX;
+            }
         }
         self.vertex_key = self.key ^ mix(u64::from(vertex) << 1 | subpath as u64);
     }
