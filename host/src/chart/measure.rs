@@ -3,7 +3,7 @@
 use crate::develop::{Linear, distance};
 use crate::render::{self, Budget, CAPACITY, Device, Options, render, render_double};
 use crate::scene::Prepared;
-use crate::statistics::{Interval, Logs, mean_and_error, tail_index};
+use crate::statistics::{Costs, Interval, mean_and_error, tail_index};
 use etendue::random::{Pcg, Purpose, Sampler};
 use etendue::{Estimator, Scene, Scratch, Settings};
 use std::rc::Rc;
@@ -103,7 +103,7 @@ pub struct Measured {
     /// From the smallest budget on.
     pub rungs: Vec<Rung>,
     /// 1/(MSE × CPU s) and 1/(relMSE × CPU s), by all trials of the largest budgets that the reference can tell.
-    pub efficiency: [Logs; 2],
+    pub efficiency: [Costs; 2],
     /// The image of the largest budget, one seed's.
     pub image: Option<Linear>,
     /// CPU seconds that it took.
@@ -117,7 +117,7 @@ pub struct Measured {
 impl Measured {
     /// Efficiency by error number `which`.
     pub fn efficiency(&self, which: usize) -> Option<Interval> {
-        self.efficiency[which].interval()
+        self.efficiency[which].efficiency()
     }
 }
 
@@ -261,8 +261,8 @@ pub fn measure(
     };
     for rung in told.iter().rev().take(TOP) {
         for trial in &rung.trials {
-            for (logs, error) in m.efficiency.iter_mut().zip(trial.errors) {
-                logs.add(1.0 / (error * trial.seconds));
+            for (costs, error) in m.efficiency.iter_mut().zip(trial.errors) {
+                costs.add(error * trial.seconds);
             }
         }
     }

@@ -268,7 +268,7 @@ pub fn html(all: &[Measured], reference: &Reference, facts: &Facts) -> Result<St
     table(&mut out, all);
     let _ = write!(
         out,
-        "<p class=\"note\">The last budget of each, {} seeds; CPU seconds of all threads. Efficiencies are geometric means over the trials of the three largest budgets that the reference can tell, with 95 % intervals (Student's t of logarithms; ratios: Welch). The tail index is Hill's, of the largest thousandth of contributions: below 2 the variance is infinite, far above it there is no tail.</p><h2>Error</h2><div class=\"grid\">",
+        "<p class=\"note\">The last budget of each, {} seeds; CPU seconds of all threads. Efficiencies are one over the mean of error × time over the trials of the three largest budgets that the reference can tell, with 95 % intervals (Student's t by the delta method; ratios: Welch). The tail index is Hill's, of the largest thousandth of contributions: below 2 the variance is infinite, far above it there is no tail.</p><h2>Error</h2><div class=\"grid\">",
         facts.seeds
     );
     for (name, plot) in plots(all, facts.seeds) {

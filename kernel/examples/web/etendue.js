@@ -18,6 +18,9 @@ export const ESTIMATORS = { path: 0, light: 1, bidirectional: 2, distributed: 3,
 /** The heuristics of multiple importance sampling. */
 export const HEURISTICS = { balance: 0, power: 1, cutoff: 2, maximum: 3 };
 
+/** Where random numbers come from. The module has `sobol` only if it is built with all features. */
+export const SEQUENCES = { independent: 0, sobol: 1 };
+
 /** A status that isn't `ETD_OK`; for a damaged blob also where. */
 export class EtendueError extends Error {
     constructor(message, status) {
@@ -114,7 +117,7 @@ export class Scene {
 
     /**
      * The irradiance at a point, on the side of the normal: the mean of `samples` samples of element `id`, linear RGB.
-     * `settings` are those of `EtdSettings`, by name: estimator, heuristic, maxEdges, seed;
+     * `settings` are those of `EtdSettings`, by name: estimator, heuristic, maxEdges, seed, sequence, roulette;
      * of distributed: branching, lightSamples; of quadrature: quadrature, steps, shift.
      */
     irradiance(position, normal, settings = {}) {
@@ -139,11 +142,14 @@ export class Scene {
     #settings({
         estimator = "path", heuristic = "power", maxEdges = -1, seed = 0,
         branching = [8, 4, 2, 1], lightSamples = 4, quadrature = 4, steps = 64, shift = false,
+        sequence = "independent", roulette = 0.5,
     }) {
         const at = this.#small + 256;
-        this.#write(at).u32(48).u32(ESTIMATORS[estimator]).u32(HEURISTICS[heuristic]).u32(maxEdges).u64(seed);
+        this.#write(at).u32(64).u32(ESTIMATORS[estimator]).u32(HEURISTICS[heuristic]).u32(maxEdges).u64(seed);
         this.#bytes(at + 24, 8).fill(0).set(branching);
         this.#write(at + 32).u32(lightSamples).u32(quadrature).u32(steps).u32(shift ? 1 : 0);
+        // The last two are those of chains, which have no functions here.
+        this.#write(at + 48).u32(SEQUENCES[sequence]).f32([roulette, 0.3, 1 / 64]);
         return at;
     }
 

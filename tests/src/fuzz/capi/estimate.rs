@@ -65,7 +65,7 @@ pub(super) fn settings(s: &mut Source<'_>) -> Result<Struct<EtdSettings>> {
     value.estimator = match ALWAYS.get(which as usize) {
         Some(&known) => known,
         // It depends on the scene whether that one answers.
-        None if which == ETD_QUADRATURE => u32::MAX,
+        None if [ETD_QUADRATURE, ETD_METROPOLIS].contains(&which) => u32::MAX,
         None => which,
     };
     value.heuristic = number(s, 4)?;
