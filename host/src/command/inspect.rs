@@ -2,7 +2,9 @@
 
 use super::reading::Reading;
 use super::{Failure, print, warn};
+use crate::reach::unreachable;
 use crate::scene::prepare;
+use crate::stability::Method;
 use etendue::Scene;
 use etendue::blob::format::{
     Header, NONE, Toc, WIDTH, child, emitter, material, medium, needs, section, sensor,
@@ -36,6 +38,7 @@ fn report(scene: &Scene<'_>, bytes: &[u8]) -> Result<String, fmt::Error> {
     sizes(&mut out, scene, bytes)?;
     tree(&mut out, scene)?;
     left_out(&mut out, scene)?;
+    paths(&mut out, scene)?;
     Ok(out)
 }
 
@@ -364,6 +367,29 @@ fn left_out(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
     }
     if scene.choices().is_empty() {
         writeln!(out, "  light: nothing emits")?;
+    }
+    Ok(())
+}
+
+/// Light paths that estimators can't make; those that make all have no line.
+fn paths(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
+    // Estimators that lack the same paths share a line.
+    let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+    for (method, name) in Method::ALL {
+        let settings = method.settings(None, 0);
+        let refused = settings.estimator.refuses(scene).map(str::to_owned);
+        for text in refused.into_iter().chain(unreachable(scene, &settings)) {
+            match lines.iter_mut().find(|(line, _)| *line == text) {
+                Some((_, names)) => names.push(name),
+                None => lines.push((text, vec![name])),
+            }
+        }
+    }
+    if !lines.is_empty() {
+        writeln!(out, "\nlight paths that an estimator can't make here:")?;
+        for (text, names) in &lines {
+            writeln!(out, "  {}: {text}", names.join(", "))?;
+        }
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use super::reading::Reading;
 use super::screen::Screen;
 use super::{Failure, print, warn};
 use crate::develop::{Linear, Output, write};
+use crate::reach::unreachable;
 use crate::render::{Budget, Cost, Device, Options, Progress, Rendered, render};
 use crate::scene::{Changes, prepare};
 use clap::ValueEnum;
@@ -141,7 +142,7 @@ impl Render {
             pixels: rendered.image.clone(),
         };
         write(&outputs, &image, self.screen.tone())?;
-        self.report(&rendered)?;
+        self.report(&rendered, &unreachable(&scene, &options.settings))?;
         if rendered.interrupted {
             Err(Failure::Interrupted)
         } else {
@@ -160,7 +161,7 @@ impl Render {
         bar
     }
 
-    fn report(&self, r: &Rendered) -> Result<(), Failure> {
+    fn report(&self, r: &Rendered, unreachable: &[String]) -> Result<(), Failure> {
         let samples = r.passes * r.image.len() as u64;
         let rays = r.counters.closest_rays + r.counters.shadow_rays;
         let per_second = |n: u64| n as f64 / r.seconds.max(1e-9);
@@ -179,6 +180,7 @@ impl Render {
                 "rays_per_second": per_second(rays),
                 "mean_rgb": mean,
                 "interrupted": r.interrupted,
+                "unreachable": unreachable,
                 "chains": r.chains.map(|c| serde_json::json!({
                     "chains": c.chains,
                     "bootstrap_paths": c.bootstraps,
@@ -223,6 +225,7 @@ impl Render {
         }
         if !self.quiet {
             warn(&losses(r));
+            warn(unreachable);
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 mod alias;
 pub mod bvh;
+mod doubts;
 mod emitters;
 mod geometry;
 mod glossy;
@@ -42,7 +43,7 @@ pub struct Compiled {
     pub tree: bvh::Tree,
     /// Whether the tree has the shape of one that was given.
     pub refitted: bool,
-    /// What the reader should know: what stands in which medium, where objects and the description don't agree.
+    /// What the reader should know: what stands in which medium, where objects and the description don't agree; what can't be rendered well.
     pub warnings: Vec<String>,
 }
 
@@ -315,7 +316,7 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
             depth: built.depth,
         },
         refitted: was_refitted,
-        warnings: found.warnings,
+        warnings: [found.warnings, doubts::doubts(d)].concat(),
     })
 }
 

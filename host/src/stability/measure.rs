@@ -42,6 +42,13 @@ impl Method {
     }
 }
 
+impl Method {
+    /// The kernel's settings with which it runs.
+    pub fn settings(self, max_edges: Option<u32>, seed: u64) -> etendue::Settings {
+        single::settings(self, max_edges, seed)
+    }
+}
+
 /// How much is rendered.
 #[derive(Clone, Copy, Debug)]
 pub struct Budget {

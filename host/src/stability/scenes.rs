@@ -47,6 +47,7 @@ files![
     "twin-lights.xml",
     "water-above.xml",
     "water-below.xml",
+    "white-floor.xml",
 ];
 
 /// The scene of a case as a blob, with what compiling it warned of.

@@ -69,9 +69,11 @@ pub fn find(
     let lines = space.lines();
     let exterior = space.exterior(&lines);
     space.agree(&lines, exterior)?;
+    space.touch(&lines);
     space.arrives(exterior)?;
     let sensor = {
         let at = DVec3::from(d.sensor.origin.map(f64::from));
+        space.rests(at);
         space.stands("the sensor", d.sensor.medium, at, exterior)
     };
     let mut emitters = Vec::new();
@@ -273,6 +275,57 @@ impl Space<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Warns of boundaries of two objects in one place: the kernel meets one of them.
+    fn touch(&mut self, lines: &[Vec<Crossing>]) {
+        let parts = |c: &Crossing| {
+            self.d
+                .shapes
+                .get(c.shape as usize)
+                .filter(|s| sides(s).is_some())
+        };
+        let pairs = lines.iter().flat_map(|line| line.windows(2));
+        let found = pairs.filter_map(|w| match w {
+            [a, b] if a.shape != b.shape && b.t - a.t <= a.slack + b.slack => {
+                Some((parts(a)?, parts(b)?))
+            }
+            _ => None,
+        });
+        if let Some((a, b)) = found.into_iter().next() {
+            let text = format!(
+                "{} and {} part media in one place: a ray meets one of the two boundaries, and may go on in the wrong medium; give the one that is to be met both media, or leave a gap",
+                a.name, b.name
+            );
+            self.warnings.push(text);
+        }
+    }
+
+    /// Warns if the sensor rests on a boundary.
+    fn rests(&mut self, at: DVec3) {
+        for _ in 0..LINES_PER_POINT {
+            // From a little before the point on, so that what is met there is ahead.
+            let direction = self.direction();
+            let back = 16.0 * self.tolerance;
+            let line = Line {
+                origin: at - direction * back,
+                direction,
+                tolerance: self.tolerance,
+            };
+            let crossings = self.tree.crossings(&line).unwrap_or_default();
+            let near = crossings.iter().take_while(|c| c.t <= 2.0 * back);
+            let shape = near
+                .filter_map(|c| self.d.shapes.get(c.shape as usize))
+                .find(|s| sides(s).is_some());
+            if let Some(shape) = shape {
+                let text = format!(
+                    "the sensor stands in the boundary {}: whether it is inside is anybody's guess; move it off the boundary",
+                    shape.name
+                );
+                self.warnings.push(text);
+                return;
+            }
+        }
     }
 
     fn explain(&self, clash: &Clash) -> String {
