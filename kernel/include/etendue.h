@@ -144,6 +144,10 @@
 // The same, and what it leaves out by path tracing.
 #define ETD_QUADRATURE_AND_PATH 5
 
+// Chains of paths over `ETD_BIDIRECTIONAL` (`etd_chain_advance`). Where samples of pixels, rays or points are asked for, they are those of
+// `ETD_BIDIRECTIONAL`.
+#define ETD_METROPOLIS 6
+
 // Weights in proportion to densities.
 #define ETD_BALANCE 0
 
@@ -156,8 +160,20 @@
 // The densest strategy alone.
 #define ETD_MAXIMUM 3
 
+// Independent numbers.
+#define ETD_INDEPENDENT 0
+
+// Owen-scrambled Sobol' points: the samples of a pixel spread evenly. Best for a power of two of samples.
+#define ETD_SOBOL 1
+
 // What scratch memory must be aligned to.
 #define ETD_SCRATCH_ALIGN 16
+
+// What chain memory must be aligned to.
+#define ETD_CHAIN_ALIGN 16
+
+// A chain of paths, made by `etd_chain_start` in memory of the caller. One thread at a time.
+typedef struct EtdChain EtdChain;
 
 // A scene that has been opened: lives in the caller's memory, needs no closing. It doesn't change: any number of
 // threads may use one at once. It refers to its blob, which must stay where it is, unchanged, as long as the scene is used.
@@ -217,7 +233,8 @@ typedef struct EtdSceneInfo {
 typedef struct EtdSettings {
     // sizeof(EtdSettings).
     uint32_t struct_size;
-    // `ETD_PATH`, `ETD_LIGHT`, `ETD_BIDIRECTIONAL`, `ETD_DISTRIBUTED`, `ETD_QUADRATURE` or `ETD_QUADRATURE_AND_PATH`.
+    // `ETD_PATH`, `ETD_LIGHT`, `ETD_BIDIRECTIONAL`, `ETD_DISTRIBUTED`, `ETD_QUADRATURE`, `ETD_QUADRATURE_AND_PATH` or
+    // `ETD_METROPOLIS`.
     uint32_t estimator;
     // `ETD_BALANCE`, `ETD_POWER`, `ETD_CUTOFF` or `ETD_MAXIMUM`.
     uint32_t heuristic;
@@ -236,6 +253,14 @@ typedef struct EtdSettings {
     uint32_t steps;
     // Quadrature: not 0: equal steps shifted at random in place of these rules, without bias.
     uint32_t shift;
+    // `ETD_INDEPENDENT` or `ETD_SOBOL`.
+    uint32_t sequence;
+    // Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1; 0: all go on.
+    float roulette;
+    // `ETD_METROPOLIS`: how often a step of a chain is a path drawn anew, 0 to 1.
+    float large_steps;
+    // `ETD_METROPOLIS`: the largest change of a random number in the other steps, above 0, at most 0.5.
+    float step_size;
 } EtdSettings;
 
 // What happened since the scratch was made or its counters were last cleared.
@@ -485,6 +510,47 @@ EtdStatus etd_render_film(const struct EtdScene *scene,
                           struct EtdSum *splats,
                           size_t pixels);
 
+// Bytes of memory that a chain needs.
+size_t etd_chain_size(void);
+
+// Estimates of the image's mean (over pixels and channels, radiance), by paths number `first` to `first + count`, one each, into `estimates[count]`.
+// Their mean is what `etd_chain_advance` scales by; each chain should start from one of these paths, drawn in proportion to its estimate: a hundred
+// thousand are a good number. `with->estimator` is `ETD_METROPOLIS`; `hooks` may be null, `closest` and `random` have to be.
+EtdStatus etd_chain_bootstrap(const struct EtdScene *scene,
+                              const struct EtdSettings *with,
+                              const struct EtdHooks *hooks,
+                              struct EtdScratch *memory,
+                              uint64_t first,
+                              size_t count,
+                              float *estimates);
+
+// Makes chain number `id` in `memory` (`memory_size` ≥ `etd_chain_size()` bytes, aligned to `ETD_CHAIN_ALIGN`, the caller's to free) at path `path` of
+// `etd_chain_bootstrap`, whose scene and settings are the same. The number selects the random numbers. `*out` will point into the memory.
+EtdStatus etd_chain_start(const struct EtdScene *scene,
+                          const struct EtdSettings *with,
+                          struct EtdScratch *scratch,
+                          uint64_t id,
+                          uint64_t path,
+                          void *memory,
+                          size_t memory_size,
+                          struct EtdChain **out);
+
+// Takes `steps` steps of a chain. `scale` is the image's mean, from bootstrap estimates. Splats go to `hooks->splat`, which must be there: with n steps
+// per pixel of the image by all chains together, pixel = sum of splats to it/n. `closest` and `random` have to be null; `cancelled` is asked
+// before the first step, and a call that has begun takes all of them.
+EtdStatus etd_chain_advance(const struct EtdScene *scene,
+                            const struct EtdSettings *with,
+                            const struct EtdHooks *hooks,
+                            struct EtdScratch *memory,
+                            struct EtdChain *handle,
+                            float scale,
+                            uint32_t steps);
+
+// The share of small steps that a chain has accepted since it started, 0 to 1: `step_size` is good where it is about a half. Tune it with chains
+// that are thrown away.
+EtdStatus etd_chain_accepted(struct EtdChain *handle,
+                             float *share);
+
 // Adds the `pixels` sums of `from` to those of `to`, exactly: the order of merging doesn't matter. The two must not overlap.
 EtdStatus etd_film_merge(struct EtdSum *to,
                          const struct EtdSum *from,
@@ -515,7 +581,7 @@ EtdStatus etd_film_resolve(const struct EtdScene *handle,
 #else
 #define ETD_ASSERT(holds) typedef char EtdAssert[(holds) ? 1 : -1]
 #endif
-ETD_ASSERT(sizeof(EtdSettings) == 48 && sizeof(EtdTile) == 32 && sizeof(EtdSamples) == 24 && sizeof(EtdCounters) == 56 &&
+ETD_ASSERT(sizeof(EtdSettings) == 64 && sizeof(EtdTile) == 32 && sizeof(EtdSamples) == 24 && sizeof(EtdCounters) == 56 &&
            sizeof(EtdRay) == 40 && sizeof(EtdHit) == 20 && sizeof(EtdSum) == 48 && sizeof(EtdBlobError) == 16 &&
            sizeof(EtdSceneInfo) == 64 && sizeof(EtdHooks) == 8 + 6 * sizeof(void *) &&
            ETD_SCENE_SIZE % ETD_SCENE_ALIGN == 0);
