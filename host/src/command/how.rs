@@ -1,6 +1,6 @@
 //! The flags that say how light is estimated, for all commands that do it.
 
-use crate::render::{Cost, Found, pilot};
+use crate::render::{Found, pilot};
 use clap::ValueEnum;
 use etendue::estimate::{LEVELS, Mutations, Rule, Tree};
 use etendue::random::Sequence;
@@ -136,11 +136,11 @@ fn share(text: &str) -> Result<f32, String> {
 
 impl How {
     /// Lets a pilot choose the estimator, if none is named; says why, in one line.
-    pub fn choose(&self, settings: &mut Settings, scene: &Scene<'_>, cost: Cost) -> Option<String> {
+    pub fn choose(&self, settings: &mut Settings, scene: &Scene<'_>) -> Option<String> {
         if self.estimator != EstimatorName::Auto {
             return None;
         }
-        let found = pilot(scene, settings, cost);
+        let found = pilot(scene, settings);
         let best = found.first()?;
         settings.estimator = best.estimator;
         let Some(second) = found.get(1) else {
@@ -149,13 +149,9 @@ impl How {
                 "{name}: the other one can't make all of this scene's light"
             ));
         };
-        let unit = match cost {
-            Cost::Rays => "rays",
-            Cost::Seconds => "microseconds",
-        };
         let of = |f: &Found| {
             format!(
-                "{} has an error of {:.2e} at {:.1} {unit} a sample",
+                "{} has an error of {:.2e} at {:.1} rays a sample",
                 name(f.estimator),
                 f.mse,
                 f.cost

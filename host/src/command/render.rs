@@ -6,7 +6,7 @@ use super::screen::Screen;
 use super::{Failure, print, warn};
 use crate::develop::{Linear, Output, write};
 use crate::reach::unreachable;
-use crate::render::{Budget, Cost, Device, Options, Progress, Rendered, render};
+use crate::render::{Budget, Device, Options, Progress, Rendered, render};
 use crate::scene::{Changes, prepare};
 use clap::ValueEnum;
 use etendue::Scene;
@@ -115,9 +115,7 @@ impl Render {
             .or(prepared.advice.samples.map(u64::from))
             .unwrap_or(DEFAULT_SAMPLES);
         let mut settings = self.how.settings(prepared.advice.max_depth);
-        // What repeats has to rest on counts, not on times.
-        let cost = self.time.map_or(Cost::Rays, |_| Cost::Seconds);
-        let chosen = self.how.choose(&mut settings, &scene, cost);
+        let chosen = self.how.choose(&mut settings, &scene);
         if let Some(why) = chosen.as_ref().filter(|_| !self.quiet) {
             eprintln!("{why}");
         }

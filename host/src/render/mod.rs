@@ -19,7 +19,7 @@ use budget::Spending;
 pub use chains::ChainReport;
 pub use crew::{Crew, Run};
 pub use double::render_double;
-pub use pilot::{Cost, Found, pilot};
+pub use pilot::{Found, pilot};
 
 use crate::memory::attempt;
 use crew::each_once;

@@ -14,7 +14,6 @@ use super::{CAPACITY, sample};
 use crate::reach::unreachable;
 use etendue::random::{Pcg, Purpose, Sampler};
 use etendue::{Counters, Estimator, Rgb, Scene, Scratch, Settings};
-use std::time::Instant;
 
 /// Who competes, unless one makes light that the other can't: those that make all light of most scenes, and whose samples are independent. Chains' aren't, and a short pilot can't tell how much they
 /// depend on each other.
@@ -24,15 +23,6 @@ const PIXELS: u64 = 1 << 13;
 /// Of this number and more are the samples of the pilot: no render gets there.
 const FIRST: u64 = 1 << 48;
 
-/// How effort is counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cost {
-    /// In rays: the same each time.
-    Rays,
-    /// In seconds.
-    Seconds,
-}
-
 /// What the pilot found of a candidate.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
@@ -40,7 +30,7 @@ pub struct Found {
     pub estimator: Estimator,
     /// Squared error of a sample, mean over pixels and channels.
     pub mse: f64,
-    /// Rays or microseconds of a sample.
+    /// Rays of a sample: counts, not times, so that the choice and with it the image is the same each time.
     pub cost: f64,
 }
 
@@ -52,7 +42,7 @@ impl Found {
 }
 
 /// What the pilot found of all candidates, the best first; ties in their own order.
-pub fn pilot(scene: &Scene<'_>, settings: &Settings, cost: Cost) -> Vec<Found> {
+pub fn pilot(scene: &Scene<'_>, settings: &Settings) -> Vec<Found> {
     let with = |estimator| Settings {
         estimator,
         ..*settings
@@ -63,7 +53,7 @@ pub fn pilot(scene: &Scene<'_>, settings: &Settings, cost: Cost) -> Vec<Found> {
     let mut all: Vec<Found> = CANDIDATES
         .iter()
         .filter(|&&e| complete(e))
-        .map(|&e| found(scene, &with(e), cost))
+        .map(|&e| found(scene, &with(e)))
         .collect();
     // Stable, and NaN (no error at no cost) counts as the best there is.
     let rank = |f: &Found| {
@@ -77,10 +67,9 @@ pub fn pilot(scene: &Scene<'_>, settings: &Settings, cost: Cost) -> Vec<Found> {
     all
 }
 
-fn found(scene: &Scene<'_>, settings: &Settings, cost: Cost) -> Found {
+fn found(scene: &Scene<'_>, settings: &Settings) -> Found {
     let [width, height] = scene.size();
     let mut scratch = Box::new(Scratch::<CAPACITY>::new());
-    let started = Instant::now();
     let square = |v: Rgb| {
         v.to_array()
             .map(|x| f64::from(x) * f64::from(x))
@@ -116,9 +105,6 @@ fn found(scene: &Scene<'_>, settings: &Settings, cost: Cost) -> Found {
     Found {
         estimator: settings.estimator,
         mse: sum / PIXELS as f64,
-        cost: match cost {
-            Cost::Rays => (closest_rays + shadow_rays) as f64 / samples,
-            Cost::Seconds => 1e6 * started.elapsed().as_secs_f64() / samples,
-        },
+        cost: (closest_rays + shadow_rays) as f64 / samples,
     }
 }
