@@ -171,7 +171,7 @@ int main(int argc, char **argv)
     wrong.struct_size--;
     EXPECT(PIXEL(scene, &wrong, NULL, scratch, 0, 0, rgb), ETD_E_SIZE);
     wrong = settings;
-    wrong.estimator = 6;
+    wrong.estimator = 7;
     EXPECT(PIXEL(scene, &wrong, NULL, scratch, 0, 0, rgb), ETD_E_ARGUMENT);
     wrong = settings;
     wrong.heuristic = 4;
