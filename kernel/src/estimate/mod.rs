@@ -87,6 +87,17 @@ impl Estimator {
         }
     }
 
+    /// Whether samples are those of `Bidirectional`.
+    #[cfg(feature = "bidirectional")]
+    const fn joins_walks(self) -> bool {
+        match self {
+            Self::Bidirectional => true,
+            #[cfg(feature = "metropolis")]
+            Self::Metropolis => true,
+            _ => false,
+        }
+    }
+
     /// Whether direct light comes from a rule.
     const fn is_quadrature(self) -> bool {
         match self {
@@ -372,11 +383,7 @@ impl<T: Tracer, P: Sampler, F: FnMut([u32; 2], Rgb)> Errand for Sample<'_, '_, '
                     light::estimate(&mut trace, settings, element, sampler, splat)
                 }
                 #[cfg(feature = "bidirectional")]
-                (Estimator::Bidirectional, _) => {
-                    bidirectional::estimate(&mut trace, settings, element, sampler, scratch, splat)
-                }
-                #[cfg(feature = "metropolis")]
-                (Estimator::Metropolis, _) => {
+                (estimator, _) if estimator.joins_walks() => {
                     bidirectional::estimate(&mut trace, settings, element, sampler, scratch, splat)
                 }
                 #[cfg(feature = "distributed")]
