@@ -281,7 +281,8 @@ fn tail(subject: &Subject, seconds: f64, stop: &AtomicBool) -> Result<Option<Tai
     let grey = |v: etendue::Rgb| f64::from(v.to_array().iter().sum::<f32>()) / 3.0;
     let begun = cpu_seconds();
     let goes_on = |index: u64| {
-        let spent = index >= TAIL_LEAST && index % 256 == 0 && cpu_seconds() - begun > seconds;
+        let spent =
+            index >= TAIL_LEAST && index.is_multiple_of(256) && cpu_seconds() - begun > seconds;
         !spent && !stop.load(Ordering::Relaxed)
     };
     let mut all: Vec<f64> = (0..TAIL_SAMPLES)

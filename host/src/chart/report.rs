@@ -104,7 +104,7 @@ pub fn plots(all: &[Measured], seeds: u64) -> Vec<(&'static str, Plot)> {
 fn interval(i: Option<Interval>) -> String {
     match i {
         None => "–".into(),
-        Some(i) if i.low == 0.0 || !i.high.is_finite() => format!("{}", number(i.value)),
+        Some(i) if i.low == 0.0 || !i.high.is_finite() => number(i.value),
         Some(i) => format!(
             "{} ({} to {})",
             number(i.value),

@@ -56,15 +56,15 @@ pub fn student(t: f64, degrees: u32) -> f64 {
     if sin > 0.5 {
         return beta(cos2, 0.5 * n, 0.5);
     }
-    let mut term = if degrees % 2 == 0 { 1.0 } else { cos };
+    let mut term = if degrees.is_multiple_of(2) { 1.0 } else { cos };
     let mut sum = if degrees == 1 { 0.0 } else { term };
-    let mut k = if degrees % 2 == 0 { 2 } else { 3 };
+    let mut k = if degrees.is_multiple_of(2) { 2 } else { 3 };
     while k + 1 < degrees {
         term *= cos2 * f64::from(k - 1) / f64::from(k);
         sum += term;
         k += 2;
     }
-    let a = if degrees % 2 == 0 {
+    let a = if degrees.is_multiple_of(2) {
         sin * sum
     } else {
         2.0 / std::f64::consts::PI * ((t.abs() / n.sqrt()).atan() + sin * sum)

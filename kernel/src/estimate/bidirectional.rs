@@ -209,6 +209,7 @@ fn light_side<T: Tracer, K: Instance, P: Sampler>(
 
 /// Walks from the sensor and joins each of its vertices to the light (s = 0, 1) and to the light walk (s ≥ 2).
 #[inline(always)]
+#[allow(clippy::too_many_arguments)] // the two sides of one function
 fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
     trace: &mut Trace<'_, '_, T, K>,
     limit: u32,

@@ -167,6 +167,7 @@ mod tests {
     /// Pairs for different purposes, vertices, elements and seeds have nothing to do with each other: the correlation of 4096 points is below
     /// 5 standard deviations, in each of 4 pairings.
     #[test]
+    #[allow(clippy::useless_conversion)] // in double precision
     fn pairs_are_independent() {
         const N: u64 = 4096;
         let other = |index: u64, which: u32| match which {
