@@ -78,8 +78,8 @@ pub struct TapeView<'t> {
 pub enum Mutation {
     /// In everything.
     Large,
-    /// By steps of at most this size in each number (Kelemen et al. 2002, §4.3: their logarithms are uniform over
-    /// [`DECADES`]).
+    /// By steps of at most this size in each number (Kelemen et al. 2002, §4.3: their logarithms are uniform down to
+    /// a 1024th of it).
     Small(Real),
 }
 
