@@ -4,6 +4,7 @@
 //! and three channels. There are about 20,000 such comparisons here; with some 120 degrees of freedom
 //! P(|t| > 5.9) = 3e-8, so the suite fails by chance about once in 1500 runs, and errors are a few parts in a thousand.
 
+mod accuracy;
 mod media;
 mod metropolis;
 mod scenes;

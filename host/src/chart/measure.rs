@@ -3,7 +3,7 @@
 use crate::develop::{Linear, distance};
 use crate::render::{self, Budget, CAPACITY, Device, Options, render, render_double};
 use crate::scene::Prepared;
-use crate::statistics::{Costs, Interval, mean_and_error, tail_index};
+use crate::statistics::{Costs, Estimate, Interval, tail_index};
 use etendue::random::{Pcg, Purpose, Sampler};
 use etendue::{Estimator, Scene, Scratch, Settings};
 use std::rc::Rc;
@@ -67,18 +67,15 @@ pub struct Rung {
 impl Rung {
     /// Mean over trials of error number `which`, and its standard error.
     pub fn error(&self, which: usize) -> (f64, f64) {
-        mean_and_error(
-            &self
-                .trials
-                .iter()
-                .map(|t| t.errors[which])
-                .collect::<Vec<_>>(),
-        )
+        let errors: Vec<_> = self.trials.iter().map(|t| t.errors[which]).collect();
+        let Estimate { mean, error, .. } = Estimate::of(&errors);
+        (mean, error)
     }
 
     /// Mean CPU seconds.
     pub fn seconds(&self) -> f64 {
-        mean_and_error(&self.trials.iter().map(|t| t.seconds).collect::<Vec<_>>()).0
+        let sum: f64 = self.trials.iter().map(|t| t.seconds).sum();
+        sum / self.trials.len() as f64
     }
 }
 

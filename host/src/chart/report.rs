@@ -3,7 +3,7 @@
 use super::measure::{Measured, Reference};
 use super::plot::{Plot, Series, svg};
 use crate::develop::{AS_IT_IS, Format, Linear, Tone, encode};
-use crate::statistics::{Interval, t_quantile};
+use crate::statistics::{Interval, student_quantile};
 use base64::Engine;
 use std::fmt::Write;
 
@@ -28,7 +28,7 @@ const ERRORS: [&str; 2] = ["MSE", "relMSE"];
 pub fn plots(all: &[Measured], seeds: u64) -> Vec<(&'static str, Plot)> {
     let shown = || (0..).zip(all).filter(|(_, m)| m.refused.is_none());
     let ladder = |which: usize, x: fn(&super::measure::Rung) -> f64| -> Vec<Series> {
-        let t = t_quantile(seeds as f64 - 1.0);
+        let t = student_quantile(seeds as f64 - 1.0);
         shown()
             .map(|(number, m)| {
                 let rungs = m.rungs.iter().filter(|r| r.error(which).0 > 0.0);

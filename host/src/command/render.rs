@@ -6,7 +6,7 @@ use super::screen::Screen;
 use super::{Failure, print, warn};
 use crate::develop::{Linear, Output, write};
 use crate::reach::unreachable;
-use crate::render::{Budget, Device, Options, Progress, Rendered, render};
+use crate::render::{Budget, CONFIDENCE, Device, Options, Progress, Rendered, render};
 use crate::scene::{Changes, prepare};
 use clap::ValueEnum;
 use etendue::Scene;
@@ -33,12 +33,18 @@ pub struct Render {
     output: Vec<PathBuf>,
     #[command(flatten)]
     how: How,
-    /// Samples per pixel [default: what the scene says, or 64]
+    /// Samples per pixel [default: what the scene says, or 64]; with --error at most [default: 65536]
     #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     spp: Option<u64>,
-    /// Rendering time (500ms, 30s, 2m, 1h), without loading; ends with a whole pass over the image
+    /// Rendering time (500ms, 30s, 2m, 1h), without loading; ends with a whole pass over the image; with --error at most
     #[arg(long, value_name = "TIME", value_parser = duration)]
     time: Option<Duration>,
+    /// Render until the error is not above E (0.01 or 1%) with 95 % confidence, with more samples where there is more noise
+    ///
+    /// The error is the root mean square of the whole image's noise, relative to the root mean square of the image. What no sample has met yet isn't known,
+    /// nor what rules and precision do to an image.
+    #[arg(long, value_name = "E", value_parser = relative_error)]
+    error: Option<f64>,
     /// Threads; the image doesn't depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     threads: Option<u32>,
@@ -92,7 +98,38 @@ pub(super) fn duration(text: &str) -> Result<Duration, String> {
         .ok_or_else(expected)
 }
 
+/// Samples per pixel at most if an error is asked for.
+const MOST_SAMPLES: u64 = 1 << 16;
+
+/// A number, or one in percent.
+fn relative_error(text: &str) -> Result<f64, String> {
+    let (number, scale) = match text.strip_suffix('%') {
+        Some(number) => (number, 0.01),
+        None => (text, 1.0),
+    };
+    let error = number.trim().parse::<f64>().ok().map(|x| x * scale);
+    error.filter(|e| *e > 0.0 && *e <= 1.0).ok_or_else(|| {
+        format!("expected a number above 0 and up to 1, like 0.01 or 1%, found {text:?}")
+    })
+}
+
 impl Render {
+    /// When it ends.
+    fn budget(&self, advised: Option<u32>) -> Budget {
+        match (self.error, self.time) {
+            (Some(relative), time) => Budget::Error {
+                relative,
+                passes: self.spp.unwrap_or(MOST_SAMPLES),
+                time,
+            },
+            (None, Some(time)) => Budget::Time(time),
+            (None, None) => {
+                let samples = self.spp.or(advised.map(u64::from));
+                Budget::Passes(samples.unwrap_or(DEFAULT_SAMPLES))
+            }
+        }
+    }
+
     pub(super) fn run(self) -> Result<(), Failure> {
         // What can't be written is refused before anything is rendered.
         let outputs = self
@@ -110,10 +147,6 @@ impl Render {
             warn(&prepared.warnings);
         }
         let scene = Scene::open(prepared.blob.bytes()).map_err(|e| e.to_string())?;
-        let samples = self
-            .spp
-            .or(prepared.advice.samples.map(u64::from))
-            .unwrap_or(DEFAULT_SAMPLES);
         let mut settings = self.how.settings(prepared.advice.max_depth);
         let chosen = self.how.choose(&mut settings, &scene);
         if let Some(why) = chosen.as_ref().filter(|_| !self.quiet) {
@@ -121,7 +154,7 @@ impl Render {
         }
         let options = Options {
             settings,
-            budget: self.time.map_or(Budget::Passes(samples), Budget::Time),
+            budget: self.budget(prepared.advice.samples),
             threads: self.threads.unwrap_or(0) as usize,
             device: match self.device {
                 DeviceName::Cpu => Device::Cpu,
@@ -179,6 +212,15 @@ impl Render {
                 "mean_rgb": mean,
                 "interrupted": r.interrupted,
                 "unreachable": unreachable,
+                "accuracy": r.accuracy.map(|a| serde_json::json!({
+                    "asked": a.asked,
+                    "relative_error": a.found,
+                    "confidence": CONFIDENCE,
+                    "met": a.met,
+                    "checkpoints": a.checkpoints,
+                    "fewest_samples": a.samples[0],
+                    "most_samples": a.samples[1],
+                })),
                 "chains": r.chains.map(|c| serde_json::json!({
                     "chains": c.chains,
                     "bootstrap_paths": c.bootstraps,
@@ -220,6 +262,26 @@ impl Render {
                     c.bootstraps
                 );
             }
+        }
+        if let Some(a) = r.accuracy.filter(|_| !self.quiet) {
+            eprintln!(
+                "error {:.2} %, {}; {} to {} samples of a pixel",
+                100.0 * a.found,
+                if a.met {
+                    format!(
+                        "with {:.0} % confidence not above {} %",
+                        100.0 * CONFIDENCE,
+                        100.0 * a.asked
+                    )
+                } else {
+                    format!(
+                        "more than {} %: the budget was spent before",
+                        100.0 * a.asked
+                    )
+                },
+                a.samples[0],
+                a.samples[1]
+            );
         }
         if !self.quiet {
             warn(&losses(r));

@@ -1,4 +1,4 @@
-//! When a render ends: after so many passes, or at the first whole pass after so much time.
+//! When a render ends: after so many passes, at the first whole pass after so much time, or when it is as accurate as was asked for.
 
 use std::time::Duration;
 
@@ -9,11 +9,21 @@ pub enum Budget {
     Passes(u64),
     /// Rendering time; ends with the pass that reaches it.
     Time(Duration),
+    /// Until the image is accurate, or one of the limits is reached.
+    Error {
+        /// The root of the squared error's mean over that of the image's square; not above this with a confidence of [`super::CONFIDENCE`].
+        relative: f64,
+        /// Samples per pixel, their mean, at most.
+        passes: u64,
+        /// Rendering time at most.
+        time: Option<Duration>,
+    },
 }
 
 /// A budget being spent.
 pub(super) struct Spending {
-    budget: Budget,
+    passes: u64,
+    time: Option<Duration>,
 }
 
 /// Passes in a batch at most.
@@ -23,37 +33,41 @@ const BATCH_SECONDS: f64 = 0.5;
 
 impl Budget {
     pub(super) fn begin(self) -> Spending {
-        Spending { budget: self }
+        let (passes, time) = match self {
+            Self::Passes(passes) => (passes, None),
+            Self::Time(limit) => (u64::MAX, Some(limit)),
+            Self::Error { passes, time, .. } => (passes, time),
+        };
+        Spending { passes, time }
     }
 }
 
 impl Spending {
     /// How many passes to do next; `None` if the budget is spent.
     pub fn next(&self, done: u64, elapsed: Duration) -> Option<u64> {
-        // The first pass tells the speed.
-        let fit = |seconds: f64| {
-            let per_pass = elapsed.as_secs_f64() / done.max(1) as f64;
-            let most = if done == 0 { 1 } else { LARGEST_BATCH };
-            ((seconds / per_pass) as u64).clamp(1, most)
-        };
-        match self.budget {
-            Budget::Passes(n) => (done < n).then(|| fit(BATCH_SECONDS).min(n - done)),
-            Budget::Time(limit) => {
-                let left = limit.saturating_sub(elapsed);
-                // A quarter of the rest, so that the end is met to within a pass.
-                (done == 0 || !left.is_zero())
-                    .then(|| fit(BATCH_SECONDS.min(0.25 * left.as_secs_f64())))
-            }
+        let left = self.time.map(|limit| limit.saturating_sub(elapsed));
+        // A pass at least, however short the time.
+        if done >= self.passes || done > 0 && left.is_some_and(|left| left.is_zero()) {
+            return None;
         }
+        // A quarter of the rest, so that the end is met to within a pass.
+        let seconds = left.map_or(BATCH_SECONDS, |left| {
+            BATCH_SECONDS.min(0.25 * left.as_secs_f64())
+        });
+        // The first pass tells the speed.
+        let per_pass = elapsed.as_secs_f64() / done.max(1) as f64;
+        let most = if done == 0 { 1 } else { LARGEST_BATCH };
+        let batch = ((seconds / per_pass) as u64).clamp(1, most);
+        Some(batch.min(self.passes - done))
     }
 
     /// The share that is spent after `done` passes, fractions included.
     pub fn share(&self, done: f64, elapsed: Duration) -> f64 {
-        let share = match self.budget {
-            Budget::Passes(n) => done / n.max(1) as f64,
-            Budget::Time(limit) => elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9),
-        };
-        share.clamp(0.0, 1.0)
+        let passes = done / self.passes.max(1) as f64;
+        let time = self.time.map_or(0.0, |limit| {
+            elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9)
+        });
+        passes.max(time).clamp(0.0, 1.0)
     }
 }
 

@@ -322,5 +322,6 @@ pub(super) fn render(
         },
         interrupted,
         chains: None,
+        accuracy: None,
     })
 }

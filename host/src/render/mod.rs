@@ -1,6 +1,7 @@
 //! Renders on all cores. The image is a pure function of the scene, the settings and the number of passes:
 //! films add integers, so neither threads nor tiles matter.
 
+mod accuracy;
 mod atlas;
 mod bake;
 mod budget;
@@ -10,8 +11,11 @@ mod crew;
 mod cuda;
 mod double;
 mod pilot;
+mod rates;
 mod tiles;
+mod until;
 
+pub use accuracy::{Accuracy, CONFIDENCE};
 pub use atlas::AtlasError;
 pub use bake::{Bake, BakeError, Baked, bake};
 pub use budget::Budget;
@@ -25,10 +29,11 @@ use crate::memory::attempt;
 use crew::each_once;
 use etendue::film::{Refused, Step, Sum, merge};
 use etendue::{Counters, Estimator, Rgb, Scene, Scratch, Settings};
+use rates::Rates;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
-use tiles::{Tile, cut, film};
+use tiles::{Tile, cut, film, order};
 
 /// Vertices that a light walk keeps.
 pub const CAPACITY: usize = 32;
@@ -75,6 +80,8 @@ pub struct Rendered {
     pub interrupted: bool,
     /// What chains did, if there were any.
     pub chains: Option<ChainReport>,
+    /// How accurate it is, if it was to be accurate.
+    pub accuracy: Option<Accuracy>,
 }
 
 /// How far a render is.
@@ -168,6 +175,11 @@ pub fn render(
 ) -> Result<Rendered, RenderError> {
     accept(scene, &options.settings)?;
     if options.device == Device::Cuda {
+        if let Budget::Error { .. } = options.budget {
+            return Err(RenderError::Gpu(
+                "an image that is to be so accurate is rendered by the CPU only".into(),
+            ));
+        }
         #[cfg(feature = "cuda")]
         return cuda::render(scene, options, stop, watch);
         #[cfg(not(feature = "cuda"))]
@@ -219,6 +231,8 @@ struct Course {
     /// Passes.
     done: u64,
     interrupted: bool,
+    counters: Counters,
+    refused: Refused,
     /// As many workers as threads were ever busy at once: the caller's may be any number.
     idle: Mutex<Vec<Worker>>,
 }
@@ -231,6 +245,8 @@ impl Course {
             started,
             done: 0,
             interrupted: false,
+            counters: Counters::default(),
+            refused: Refused::default(),
             idle: Mutex::new(Vec::new()),
         }
     }
@@ -246,28 +262,32 @@ impl Course {
         !self.interrupted && self.next(u64::MAX).is_some()
     }
 
+    /// The workers' splats; what they counted is kept.
+    fn harvest(&mut self) -> Vec<Vec<Sum>> {
+        let idle = self.idle.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let mut splats = Vec::new();
+        for worker in idle.drain(..) {
+            self.counters += worker.scratch.counters;
+            self.refused += worker.refused;
+            splats.push(worker.splats);
+        }
+        splats
+    }
+
     /// All of the render but its image, and the workers' splats.
-    fn collect(self, size: [u32; 2]) -> (Rendered, Vec<Vec<Sum>>) {
-        let mut rendered = Rendered {
+    fn collect(mut self, size: [u32; 2]) -> (Rendered, Vec<Vec<Sum>>) {
+        let splats = self.harvest();
+        let rendered = Rendered {
             size,
             image: Vec::new(),
             passes: self.done,
             seconds: self.started.elapsed().as_secs_f64(),
-            counters: Counters::default(),
-            refused: Refused::default(),
+            counters: self.counters,
+            refused: self.refused,
             interrupted: self.interrupted,
             chains: None,
+            accuracy: None,
         };
-        let mut splats = Vec::new();
-        for worker in self
-            .idle
-            .into_inner()
-            .unwrap_or_else(PoisonError::into_inner)
-        {
-            rendered.counters += worker.scratch.counters;
-            rendered.refused += worker.refused;
-            splats.push(worker.splats);
-        }
         (rendered, splats)
     }
 }
@@ -329,9 +349,13 @@ impl Job<'_> {
         stop: &AtomicBool,
         watch: &(dyn Fn(Progress) + Sync),
     ) -> Result<Rendered, RenderError> {
+        if let Budget::Error { relative, .. } = budget {
+            return until::render(self, relative, budget, run, stop, watch);
+        }
         if self.settings.estimator == Estimator::Metropolis {
             return chains::render(self, budget, run, stop, watch);
         }
+        let rates = &Rates::uniform();
         let mut samples = film(self.size)?;
         let tiles: Vec<_> = cut(&mut samples, self.size)
             .into_iter()
@@ -341,37 +365,36 @@ impl Job<'_> {
         let work = |i: usize, passes: std::ops::Range<u64>, worker: &mut Worker| {
             // Each tile is one job: the lock is free.
             let mut tile = lock(&tiles[i]);
-            worker.render(self, &mut tile, passes);
+            worker.render(self, rates, &mut tile, passes);
             tile.len()
         };
         self.spend(&mut course, u64::MAX, run, stop, watch, tiles.len(), &work)?;
+        drop(tiles);
         let (mut rendered, splats) = course.collect(self.size);
         let splats = add_up(run, splats)?;
-        rendered.image = self.resolve(tiles, &splats, rendered.passes)?;
+        rendered.image = self.resolve(&samples, &splats, rates, rendered.passes)?;
         Ok(rendered)
     }
 
     /// The image, row by row.
     fn resolve(
         &self,
-        tiles: Vec<Mutex<Tile<'_>>>,
+        samples: &[Sum],
         splats: &[Sum],
+        rates: &Rates,
         passes: u64,
     ) -> Result<Vec<[f32; 3]>, RenderError> {
         let [width, height] = self.size.map(|n| n as usize);
         let mut image =
             attempt(width * height).map_err(|_| RenderError::TooLarge { size: self.size })?;
         image.resize(width * height, [0.0; 3]);
-        for tile in tiles {
-            let mut tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);
-            for ([x, y], own) in tile.pixels() {
-                let at = y as usize * width + x as usize;
-                let splat = splats.get(at).unwrap_or(&[0; 3]);
-                // The kernel has scaled splats by 1/pixels; one light walk goes with each sample of each pixel,
-                // so that of their number, pixels · passes, only the passes are left to divide by.
-                let value = self.step.resolve(own, splat, passes, passes, 1);
-                image[at] = value.map(|x| x as f32);
-            }
+        let (walks, scale) = rates.walks(passes, self.size);
+        for (own, pixel @ [x, y]) in samples.iter().zip(order(self.size)) {
+            let at = y as usize * width + x as usize;
+            let splat = splats.get(at).unwrap_or(&[0; 3]);
+            let count = rates.count(pixel, passes);
+            let value = self.step.resolve(own, splat, count, walks, scale);
+            image[at] = value.map(|x| x as f32);
         }
         Ok(image)
     }
@@ -406,8 +429,14 @@ impl Worker {
         })
     }
 
-    /// Adds the samples `indices` of each pixel of a tile.
-    fn render(&mut self, job: &Job<'_>, tile: &mut Tile<'_>, indices: std::ops::Range<u64>) {
+    /// Adds the samples of some passes to each pixel of a tile.
+    fn render(
+        &mut self,
+        job: &Job<'_>,
+        rates: &Rates,
+        tile: &mut Tile<'_>,
+        passes: std::ops::Range<u64>,
+    ) {
         let Self {
             scratch,
             splats,
@@ -415,7 +444,8 @@ impl Worker {
         } = self;
         let step = job.step;
         for (pixel, sum) in tile.pixels() {
-            for index in indices.clone() {
+            let samples = rates.count(pixel, passes.start)..rates.count(pixel, passes.end);
+            for index in samples {
                 let splat = &mut |[x, y]: [u32; 2], value| {
                     let at = y as usize * job.size[0] as usize + x as usize;
                     if let Some(sum) = splats.get_mut(at) {

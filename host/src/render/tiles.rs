@@ -49,6 +49,16 @@ pub(super) fn cut(mut sums: &mut [Sum], [width, height]: [u32; 2]) -> Vec<Tile<'
     tiles
 }
 
+/// All pixels, in the order in which their sums stand.
+pub(super) fn order([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    let starts = |n: u32| (0..n).step_by(SIDE as usize);
+    let tiles = starts(height).flat_map(move |top| starts(width).map(move |left| [left, top]));
+    tiles.flat_map(move |[left, top]| {
+        let (right, bottom) = (width.min(left + SIDE), height.min(top + SIDE));
+        (top..bottom).flat_map(move |y| (left..right).map(move |x| [x, y]))
+    })
+}
+
 /// A film of `size`, all zero.
 ///
 /// # Errors
@@ -66,15 +76,17 @@ pub(super) fn film(size: [u32; 2]) -> Result<Vec<Sum>, RenderError> {
 
 #[cfg(test)]
 mod tests {
-    use super::{cut, film};
+    use super::{cut, film, order};
 
     #[test]
     fn tiles_cover_the_image_once() {
         for [width, height] in [[1, 1], [16, 16], [33, 17], [15, 40]] {
             let mut sums = film([width, height]).unwrap();
             let mut seen = vec![0; sums.len()];
+            let mut expected = order([width, height]);
             for tile in &mut cut(&mut sums, [width, height]) {
                 for ([x, y], _) in tile.pixels() {
+                    assert_eq!(expected.next(), Some([x, y]));
                     assert!(x < width);
                     seen[(y * width + x) as usize] += 1;
                 }

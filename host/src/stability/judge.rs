@@ -2,7 +2,7 @@
 
 use super::manifest::{Case, Expectation, Expected};
 use super::measure::{Measured, Method};
-use super::statistics::FEWEST_ALIVE;
+use crate::statistics::{Estimate, FEWEST_ALIVE};
 
 /// What was measured of one estimator on one case.
 #[derive(Clone, Debug, Default)]
@@ -172,7 +172,7 @@ fn precisions(found: &Found, channel: usize) -> (f64, f64) {
     if differences.len() < 2 || reference == 0.0 {
         return (0.0, 1.0);
     }
-    let difference = super::statistics::Estimate::of(&differences);
+    let difference = Estimate::of(&differences);
     let z = difference.z(0.0, 0.0);
     (difference.mean / reference, difference.p(z))
 }

@@ -1,8 +1,8 @@
 //! What is measured: the mean of an image over independent batches, in either precision, and what its contributions are like.
 
-use super::statistics::{Estimate, Tail};
 use super::{Found, Ready, ends, scenes};
 use crate::reach;
+use crate::statistics::{Estimate, Tail};
 use rayon::prelude::*;
 
 /// An estimator, by the name that `--estimator` has for it.

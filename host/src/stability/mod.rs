@@ -10,7 +10,6 @@ mod manifest;
 mod measure;
 mod report;
 mod scenes;
-mod statistics;
 
 pub use judge::{Found, Outcome, Row, judge};
 pub use manifest::{Case, Expectation, Expected, Truth, manifest};

@@ -1,0 +1,177 @@
+//! Images that are to be accurate are as accurate as they say, as often as they say, and right in the mean.
+
+use super::scenes;
+use etendue::{Estimator, Scene, Settings};
+use etendue_host::blob::AlignedBlob;
+use etendue_host::description::Description;
+use etendue_host::render::{Budget, Crew, Rendered, render_with};
+use etendue_tests::render::{Estimate, blob};
+use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
+
+/// A render by one thread, the caller's.
+fn by(bytes: &AlignedBlob, estimator: Estimator, seed: u64, budget: Budget) -> Rendered {
+    let alone = &|jobs: u32, job: &(dyn Fn(u32) + Sync)| (0..jobs).for_each(job);
+    with(bytes, estimator, seed, budget, Crew::Callers(alone))
+}
+
+fn with(
+    bytes: &AlignedBlob,
+    estimator: Estimator,
+    seed: u64,
+    budget: Budget,
+    crew: Crew<'_>,
+) -> Rendered {
+    let scene = Scene::open(bytes.bytes()).unwrap();
+    let settings = Settings {
+        estimator,
+        seed,
+        ..Settings::default()
+    };
+    render_with(
+        &scene,
+        settings,
+        budget,
+        crew,
+        &AtomicBool::new(false),
+        &|_| (),
+    )
+    .unwrap()
+}
+
+/// Images of independent renders of so many passes by `bidirectional`.
+fn truth(bytes: &AlignedBlob, passes: u64) -> Vec<Vec<[f32; 3]>> {
+    const BATCHES: u64 = 32;
+    let budget = Budget::Passes(passes / BATCHES);
+    (0..BATCHES)
+        .into_par_iter()
+        .map(|batch| by(bytes, Estimator::Bidirectional, 1 << 40 | batch, budget).image)
+        .collect()
+}
+
+/// Each value of images.
+fn values(images: &[Vec<[f32; 3]>]) -> Vec<Estimate> {
+    let of = |i: usize| images.iter().map(move |m| f64::from(m.as_flattened()[i]));
+    let all = 0..images[0].as_flattened().len();
+    all.map(|i| Estimate::of(&of(i).collect::<Vec<_>>()))
+        .collect()
+}
+
+fn small(mut d: Description, side: u32) -> AlignedBlob {
+    d.sensor.resolution = [side; 2];
+    blob(&d)
+}
+
+const fn until(relative: f64) -> Budget {
+    Budget::Error {
+        relative,
+        passes: 1 << 16,
+        time: None,
+    }
+}
+
+/// ‖a − b‖/‖b‖.
+fn distance(a: &[[f32; 3]], b: &[Estimate]) -> f64 {
+    let pairs = a.as_flattened().iter().zip(b);
+    let error: f64 = pairs.map(|(&a, b)| (f64::from(a) - b.mean).powi(2)).sum();
+    (error / b.iter().map(|b| b.mean * b.mean).sum::<f64>()).sqrt()
+}
+
+/// Of renders that say "not above E with 95 % confidence", no more are above E than may be: of each 200, 10 are expected at most, and more than 26 have a chance of 1e-5. By images
+/// of 144 pixels, a few of which carry most of the error, and of 576. And it isn't overdone: errors are no less than a quarter of E, root mean square.
+#[test]
+fn stated_errors_hold_at_their_rate() {
+    const RUNS: u64 = 200;
+    for (side, estimator, asked) in [
+        (12, Estimator::Path, 0.3),
+        (24, Estimator::Path, 0.10),
+        (24, Estimator::Bidirectional, 0.03),
+        (24, Estimator::Light, 0.10),
+    ] {
+        let bytes = small(scenes::plain(), side);
+        let truth = values(&truth(&bytes, (1 << 20) / u64::from(side * side)));
+        let errors: Vec<f64> = (0..RUNS)
+            .into_par_iter()
+            .map(|seed| {
+                let r = by(&bytes, estimator, seed, until(asked));
+                assert!(r.accuracy.unwrap().met);
+                distance(&r.image, &truth)
+            })
+            .collect();
+        let above = errors.iter().filter(|&&e| e > asked).count();
+        let mean = (errors.iter().map(|e| e * e).sum::<f64>() / RUNS as f64).sqrt();
+        println!("{side} {estimator:?}: {above} of {RUNS} above {asked}, {mean:.4} in the mean");
+        assert!(above <= 26, "{side} {estimator:?}: {above}");
+        assert!(mean > 0.25 * asked, "{side} {estimator:?}: {mean}");
+    }
+}
+
+/// The mean of many renders that each stop when they like is the truth: a render that stopped by its own samples would be too dark, because it stops early where it has missed
+/// light. 4 × 4 pixels, 3 channels, two estimators: P(|z| > 5.5) = 4e-8 each.
+#[test]
+fn stopping_is_unbiased() {
+    const RUNS: u64 = 5000;
+    let bytes = small(scenes::plain(), 4);
+    let truth = values(&truth(&bytes, 1 << 16));
+    for estimator in [Estimator::Path, Estimator::Light] {
+        let images: Vec<_> = (0..RUNS)
+            .into_par_iter()
+            .map(|seed| by(&bytes, estimator, seed, until(0.5)).image)
+            .collect();
+        for (i, (mean, truth)) in values(&images).iter().zip(&truth).enumerate() {
+            let z = mean.z(truth);
+            println!(
+                "{estimator:?} {i}: {:.4} of the truth, z = {z:.1}",
+                mean.mean / truth.mean
+            );
+            assert!(
+                z.abs() < 5.5,
+                "{estimator:?} {i}: {mean:?}, not {truth:?}: z = {z:.1}"
+            );
+        }
+    }
+}
+
+/// A pure function of the scene and the settings, whatever the threads.
+#[test]
+fn any_threads_stop_at_the_same_bits() {
+    let bytes = small(scenes::plain(), 40);
+    let of = |threads| {
+        with(
+            &bytes,
+            Estimator::Bidirectional,
+            5,
+            until(0.05),
+            Crew::Own(threads),
+        )
+    };
+    let (one, three) = (of(1), of(3));
+    assert_eq!(one.image, three.image);
+    assert_eq!(one.passes, three.passes);
+    let a = one.accuracy.unwrap();
+    assert!(a.met && a.samples[0] < a.samples[1], "{a:?}");
+}
+
+/// A budget that ends before says so, and the image is what there is.
+#[test]
+fn budgets_come_first() {
+    let bytes = small(scenes::plain(), 16);
+    for passes in [1, 3, 5, 21, 100] {
+        let budget = Budget::Error {
+            relative: 1e-4,
+            passes,
+            time: None,
+        };
+        let r = by(&bytes, Estimator::Path, 0, budget);
+        let a = r.accuracy.unwrap();
+        assert!(!a.met);
+        assert_eq!(passes > 4, a.found.is_finite(), "{passes}");
+        assert!(
+            r.passes.abs_diff(passes) <= 1 + passes / 4,
+            "{passes}: {}",
+            r.passes
+        );
+        let bright = r.image.as_flattened().iter().sum::<f32>();
+        assert!(bright > 0.0 && bright.is_finite());
+    }
+}
