@@ -12,8 +12,8 @@ use std::sync::atomic::AtomicBool;
 
 /// Renders that are independent of each other, bootstrap included: what spreads them is all the chance that there is.
 const RUNS: u64 = 24;
-/// Steps per pixel of each.
-const PASSES: u64 = 256;
+/// Steps per pixel of each; four times as many if tests are to be deep.
+const PASSES: u64 = 64;
 
 fn rendered(bytes: &AlignedBlob, seed: u64, passes: u64, threads: usize, large: f32) -> Rendered {
     let scene = Scene::open(bytes.bytes()).unwrap();
@@ -38,10 +38,15 @@ fn rendered(bytes: &AlignedBlob, seed: u64, passes: u64, threads: usize, large: 
 /// The means of blocks, as [`super::of_blob`] gives them, from independent renders.
 fn blocks(d: &Description) -> Vec<Estimate> {
     let bytes = blob(d);
+    let passes = if etendue_tests::deep() {
+        4 * PASSES
+    } else {
+        PASSES
+    };
     let runs: Vec<Vec<f64>> = (0..RUNS)
         .into_par_iter()
         .map(|seed| {
-            let r = rendered(&bytes, seed, PASSES, 1, Mutations::default().large);
+            let r = rendered(&bytes, seed, passes, 1, Mutations::default().large);
             assert_eq!(r.counters.rejected, 0);
             let [w, h] = r.size;
             let mut sums = vec![0.0; (BLOCKS * BLOCKS * 3) as usize];
@@ -105,10 +110,12 @@ fn in_media() {
     some(media::flames(), 2);
 }
 
-/// All of them: minutes. `cargo test --release -- --ignored`
+/// All of them, if tests are to be deep.
 #[test]
-#[ignore = "deep"]
 fn everywhere() {
+    if !etendue_tests::deep() {
+        return;
+    }
     for scenes in [
         scenes::objects(),
         scenes::glossy(),

@@ -81,7 +81,7 @@ const HAVING: [(&str, Variant); 5] = [
     (
         "wavelengths",
         Variant {
-            carry: Carry::Spectral,
+            carry: Carry::Wavelengths,
             ..PLAIN
         },
     ),

@@ -22,7 +22,7 @@ const FIRST: u64 = 4;
 
 /// Passes of each film at a checkpoint: 4, 6, 8, 12, 16, 24, …
 fn checkpoint(number: u32) -> u64 {
-    let step = if number % 2 == 0 {
+    let step = if number.is_multiple_of(2) {
         FIRST
     } else {
         FIRST * 3 / 2

@@ -309,6 +309,7 @@ trait Errand {
 /// Runs the instance that has what the scene needs.
 #[inline(always)]
 fn dispatch<E: Errand>(scene: &Scene<'_>, scratch: &mut ScratchView<'_>, errand: E) -> E::Result {
+    let _ = scene;
     macro_rules! by {
         ($instance:ty, $light:expr) => {
             errand.run::<$instance>(&mut Workspace {

@@ -179,6 +179,10 @@ impl Sampler for Numbers {
     #[inline(always)]
     fn lend<W: Work>(&mut self, work: W) -> W::Result {
         match self {
+            // Where there is one kind only, work is compiled for the choice alone: for less code.
+            #[cfg(not(feature = "sobol"))]
+            Self::Independent(_) => work.with(self),
+            #[cfg(feature = "sobol")]
             Self::Independent(s) => work.with(s),
             #[cfg(feature = "sobol")]
             Self::Sobol(s) => work.with(s),
