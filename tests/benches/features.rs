@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Columns of the images.
-const SIZE: u32 = 32;
+const SIZE: u32 = 16;
 const FEW: u64 = 1;
 const MANY: u64 = 5;
 const ESTIMATORS: [&str; 3] = ["path", "light", "bidirectional"];

@@ -285,6 +285,30 @@ fn time_ends_with_a_whole_pass() {
     assert!(bytes(&at, "time.exr") == bytes(&at, "spp.exr"));
 }
 
+/// Until the error is small enough, or the samples are spent; chains can't.
+#[test]
+fn errors_are_asked_for() {
+    let (_keep, at) = folder();
+    let with = |error: &str, spp: &str| {
+        let more = ["--error", error, "--spp", spp, "--json"];
+        let arguments = ["render", "scene.xml", "-o", "x.exr"];
+        json(&at, &[&arguments[..], &more].concat())["accuracy"].clone()
+    };
+    let met = with("20%", "65536");
+    assert_eq!(met["met"], true, "{met}");
+    assert_eq!(met["confidence"], 0.95, "{met}");
+    assert!(met["relative_error"].as_f64().unwrap() < 0.2, "{met}");
+    let spent = with("0.00001", "20");
+    assert_eq!(spent["met"], false, "{spent}");
+    let arguments = ["render", "scene.xml", "-o", "y.exr", "--error", "0.1"];
+    let refused = etendue(
+        &at,
+        &[&arguments[..], &["--estimator", "metropolis"]].concat(),
+    );
+    assert!(!refused.status.success());
+    assert!(!at.join("y.exr").exists());
+}
+
 #[test]
 fn values_sizes_and_depths_are_taken() {
     let (_keep, at) = folder();

@@ -279,7 +279,7 @@ fn an_image_too_large() {
 #[test]
 fn usage() {
     let (_keep, at) = folder();
-    let bad: [&[&str]; 12] = [
+    let bad: [&[&str]; 14] = [
         &["render", "scene.xml"],
         &["render", "scene.xml", "-o", "x.exr", "--spp", "0"],
         &[
@@ -293,6 +293,8 @@ fn usage() {
             "1s",
         ],
         &["render", "scene.xml", "-o", "x.exr", "--time", "soon"],
+        &["render", "scene.xml", "-o", "x.exr", "--error", "0"],
+        &["render", "scene.xml", "-o", "x.exr", "--error", "120%"],
         &["render", "scene.xml", "-o", "x.exr", "--estimator", "magic"],
         &["render", "scene.xml", "-o", "x.exr", "--tonemap", "gamma:1"],
         &["render", "scene.xml", "-o", "x.exr", "--max-depth", "-2"],
