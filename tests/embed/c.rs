@@ -1,6 +1,7 @@
 //! Programs in C and C++ over the freestanding library: strictly compiled, run, run under valgrind and sanitizers.
 
 use crate::tools::{cargo, have, run, target, text};
+use etendue::estimate::{Chain, Lengths};
 use etendue::real::Vec3;
 use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
@@ -166,6 +167,72 @@ fn a_baker_with_threads_gives_the_kernels_bits() {
     }
     for mut way in ways(&["gcc", "-std=c11"], &example("bake.c"), &folder, &[]) {
         let out = folder.join("floor.pfm");
+        run(way.arg(&file).arg(&out));
+        assert!(std::fs::read(&out).unwrap() == expected, "{way:?}");
+    }
+}
+
+/// The same chains as the kernel's, from the same starts: the same bits. That they are right is `tests/agreement`'s business.
+#[test]
+fn chains_give_the_kernels_bits() {
+    if !have("gcc") {
+        return;
+    }
+    const PATHS: u64 = 1 << 14;
+    const CHAINS: u64 = 64;
+    const STEPS: u64 = 1024;
+    const SIZE: u32 = 32;
+    let folder = target("chains");
+    let (file, blob) = cornell(&folder, SIZE);
+    let scene = Scene::open(blob.bytes()).unwrap();
+    let settings = Settings {
+        estimator: Estimator::Metropolis,
+        ..Settings::default()
+    };
+    let (mut scratch, lengths) = (Scratch::<32>::new(), Lengths::default());
+    let view = &mut scratch.view(&scene);
+    let estimates: Vec<f32> = (0..PATHS)
+        .map(|path| {
+            let (edges, importance) = scene.bootstrap(&settings, &lengths, path, view);
+            importance / lengths.probability(edges)
+        })
+        .collect();
+    let sum: f64 = estimates.iter().map(|&e| f64::from(e)).sum();
+    let [width, height] = scene.size();
+    let mut image = vec![[0.0f32; 3]; (width * height) as usize];
+    for id in 0..CHAINS {
+        let mut place = (id as f64 + 0.5) / CHAINS as f64 * sum;
+        let beyond = estimates.iter().position(|&e| {
+            place -= f64::from(e);
+            place < 0.0
+        });
+        let from = beyond.map_or(PATHS - 1, |path| path as u64);
+        let mut chain = Chain::<16>::new();
+        chain.start(&scene, &settings, &lengths, id, from, view);
+        let scale = (sum / PATHS as f64) as f32;
+        chain.advance(
+            &scene,
+            &settings,
+            scale,
+            STEPS,
+            view,
+            &mut |[x, y], value| {
+                let pixel = &mut image[(y * width + x) as usize];
+                for (sum, v) in pixel.iter_mut().zip(value.to_array()) {
+                    *sum += v;
+                }
+            },
+        );
+    }
+    let mut expected = format!("PF\n{width} {height}\n-1.0\n").into_bytes();
+    let share = width as f32 * height as f32 / (CHAINS as f32 * STEPS as f32);
+    for row in image.chunks(width as usize).rev() {
+        let values = row.as_flattened().iter();
+        expected.extend(values.flat_map(|v| (v * share).to_le_bytes()));
+    }
+    assert!(image.as_flattened().iter().sum::<f32>() > 0.0);
+    for mut way in ways(&["gcc", "-std=c11"], &example("chains.c"), &folder, &[]) {
+        let out = folder.join("chains.pfm");
         run(way.arg(&file).arg(&out));
         assert!(std::fs::read(&out).unwrap() == expected, "{way:?}");
     }

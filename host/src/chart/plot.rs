@@ -126,15 +126,18 @@ fn corner(plot: &Plot, x: &std::ops::Range<f64>, y: &std::ops::Range<f64>) -> Se
     .map_or(SeriesLabelPosition::UpperRight, |c| c.2)
 }
 
-/// 10^n as such; what is in between in two digits.
+/// 10^n, 2·10^n and 5·10^n; what else is in between has no room.
 fn label(x: &f64) -> String {
-    let n = x.log10();
-    if (n - n.round()).abs() < 1e-6 && !(-2.5..4.5).contains(&n) {
-        format!("1e{}", n.round())
-    } else if *x >= 1e4 || *x < 1e-2 {
-        format!("{x:.0e}")
-    } else {
-        format!("{x}")
+    // A rounding error below 10^n is 10^n.
+    let decade = (x.log10() + 1e-6).floor();
+    let leading = (x / 10f64.powf(decade)).round();
+    if ![1.0, 2.0, 5.0].contains(&leading) {
+        return String::new();
+    }
+    let places = (-decade).max(0.0) as usize;
+    match decade as i32 {
+        -2..4 => format!("{x:.places$}"),
+        decade => format!("{leading}e{decade}"),
     }
 }
 
@@ -334,5 +337,27 @@ impl DrawingBackend for Lettered<'_> {
     ) -> Result<(u32, u32), DrawingErrorKind<Self::ErrorType>> {
         let k = scale(style.size());
         Ok((text.chars().count() as u32 * ADVANCE * k, 9 * k))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::label;
+
+    #[test]
+    fn ticks_have_short_labels() {
+        for (x, text) in [
+            (0.2000000000004, "0.2"),
+            (0.09999999999, "0.1"),
+            (0.7, ""),
+            (1e-5, "1e-5"),
+            (2e-3, "2e-3"),
+            (0.05, "0.05"),
+            (50.0, "50"),
+            (2000.0, "2000"),
+            (1e4, "1e4"),
+        ] {
+            assert_eq!(label(&x), text, "{x}");
+        }
     }
 }

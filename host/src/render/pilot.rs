@@ -12,14 +12,16 @@
 
 use super::{CAPACITY, sample};
 use crate::reach::unreachable;
-use etendue::random::{Pcg, Purpose, Sampler};
+use etendue::random::{Pcg, Purpose, Sampler, Sequence};
 use etendue::{Counters, Estimator, Rgb, Scene, Scratch, Settings};
 
 /// Who competes, unless one makes light that the other can't: those that make all light of most scenes, and whose samples are independent. Chains' aren't, and a short pilot can't tell how much they
 /// depend on each other.
 const CANDIDATES: [Estimator; 2] = [Estimator::Path, Estimator::Bidirectional];
-/// Pixels that are looked at.
+/// Pixels that are looked at, unless their rays come to more than the most before: a pilot is to take a second, not the render's time.
 const PIXELS: u64 = 1 << 13;
+const FEWEST_PIXELS: u64 = 1 << 10;
+const MOST_RAYS: u64 = 1 << 19;
 /// Of this number and more are the samples of the pilot: no render gets there.
 const FIRST: u64 = 1 << 48;
 
@@ -43,8 +45,10 @@ impl Found {
 
 /// What the pilot found of all candidates, the best first; ties in their own order.
 pub fn pilot(scene: &Scene<'_>, settings: &Settings) -> Vec<Found> {
+    // The variance of a sample is that of independent ones: Sobol' points know of each other.
     let with = |estimator| Settings {
         estimator,
+        sequence: Sequence::Independent,
         ..*settings
     };
     // Light that is left out has no error. What bidirectional leaves out, path does.
@@ -77,8 +81,10 @@ fn found(scene: &Scene<'_>, settings: &Settings) -> Found {
             .sum::<f64>()
             / 3.0
     };
-    let mut sum = 0.0;
-    for i in 0..PIXELS {
+    let (mut sum, mut done) = (0.0, 0);
+    let rays = |c: &Counters| c.closest_rays + c.shadow_rays;
+    while done < FEWEST_PIXELS || done < PIXELS && rays(&scratch.counters) < MOST_RAYS {
+        let i = done;
         // Spread evenly: the golden ratio's multiples along the image, at random across.
         let x = f64::from(Pcg::new(settings.seed, FIRST, i).one(Purpose::Filter));
         let y = (i as f64 * 0.618_033_988_749_895).fract();
@@ -95,16 +101,11 @@ fn found(scene: &Scene<'_>, settings: &Settings) -> Found {
         let squares = (0..3).map(|c| f64::from(a[c] - b[c]).powi(2));
         let own = squares.sum::<f64>() / 3.0;
         sum += 0.5 * own + splats;
+        done += 1;
     }
-    let samples = (2 * PIXELS) as f64;
-    let Counters {
-        closest_rays,
-        shadow_rays,
-        ..
-    } = scratch.counters;
     Found {
         estimator: settings.estimator,
-        mse: sum / PIXELS as f64,
-        cost: (closest_rays + shadow_rays) as f64 / samples,
+        mse: sum / done as f64,
+        cost: rays(&scratch.counters) as f64 / (2 * done) as f64,
     }
 }
