@@ -110,12 +110,10 @@ fn in_media() {
     some(media::flames(), 2);
 }
 
-/// All of them, if tests are to be deep.
+/// All of them: minutes. `cargo test --release -- --ignored everywhere`
 #[test]
+#[ignore = "deep"]
 fn everywhere() {
-    if !etendue_tests::deep() {
-        return;
-    }
     for scenes in [
         scenes::objects(),
         scenes::glossy(),

@@ -78,7 +78,7 @@ fn measure(
             let r = render(&scene, &options, &AtomicBool::new(false), &|_| ())
                 .unwrap_or_else(|e| panic!("{e}"));
             let samples = (passes * r.image.len() as u64) as f64;
-            let rays = (r.counters.closest_rays + r.counters.shadow_rays) as f64;
+            let rays = r.counters.rays() as f64;
             let error =
                 (relative_mse(&r.image, r.size, &reference) - noise).max(0.0) * passes as f64;
             [r.seconds / samples, rays / samples, error]

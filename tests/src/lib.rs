@@ -10,7 +10,7 @@ pub mod render;
 pub mod scenes;
 pub mod statistics;
 
-/// Whether tests take all the cases and samples that they have (`ETENDUE_DEEP=1`: an hour), or what every change can wait for.
+/// Whether tests take more cases and samples (`ETENDUE_DEEP=1`) than what every change can wait for.
 pub fn deep() -> bool {
     std::env::var_os("ETENDUE_DEEP").is_some_and(|v| !v.is_empty() && v != "0")
 }

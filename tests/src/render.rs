@@ -3,6 +3,7 @@
 use etendue_host::blob::AlignedBlob;
 use etendue_host::compile::compile;
 use etendue_host::description::Description;
+use etendue_host::statistics;
 
 /// Compiles a description that must compile.
 pub fn blob(d: &Description) -> AlignedBlob {
@@ -21,13 +22,8 @@ pub struct Estimate {
 impl Estimate {
     /// Of batches.
     pub fn of(batches: &[f64]) -> Self {
-        let n = batches.len() as f64;
-        let mean = batches.iter().sum::<f64>() / n;
-        let variance = batches.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0);
-        Self {
-            mean,
-            error: (variance / n).sqrt(),
-        }
+        let statistics::Estimate { mean, error, .. } = statistics::Estimate::of(batches);
+        Self { mean, error }
     }
 
     /// How many standard errors two estimates are apart.

@@ -4,6 +4,7 @@
 //! comparisons fails if its smallest p-value is below [`FALSE_ALARM`]/count (Bonferroni), so that right code
 //! fails a family under at most that share of all seeds. Seeds are fixed: what passes once passes always.
 
+use etendue_host::statistics::ln_gamma;
 use std::fmt::Display;
 
 /// How often a family of comparisons would fail right code, over all seeds.
@@ -168,18 +169,6 @@ pub fn gamma_q(a: f64, x: f64) -> f64 {
         }
         (scale * h).clamp(0.0, 1.0)
     }
-}
-
-/// ln Γ(x) for x > 0 by Stirling's series, after the recurrence has lifted x above 10.
-fn ln_gamma(mut x: f64) -> f64 {
-    let mut product = 1.0;
-    while x < 10.0 {
-        product *= x;
-        x += 1.0;
-    }
-    let y = 1.0 / (x * x);
-    let series = (1.0 / 12.0 - y * (1.0 / 360.0 - y * (1.0 / 1260.0 - y / 1680.0))) / x;
-    (x - 0.5) * x.ln() - x + 0.5 * std::f64::consts::TAU.ln() + series - f64::ln(product)
 }
 
 #[cfg(test)]

@@ -194,7 +194,7 @@ impl Render {
 
     fn report(&self, r: &Rendered, unreachable: &[String]) -> Result<(), Failure> {
         let samples = r.passes * r.image.len() as u64;
-        let rays = r.counters.closest_rays + r.counters.shadow_rays;
+        let rays = r.counters.rays();
         let per_second = |n: u64| n as f64 / r.seconds.max(1e-9);
         let mean: [f64; 3] = std::array::from_fn(|c| {
             r.image.iter().map(|p| f64::from(p[c])).sum::<f64>() / r.image.len() as f64

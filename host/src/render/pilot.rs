@@ -13,7 +13,7 @@
 use super::{CAPACITY, sample};
 use crate::reach::unreachable;
 use etendue::random::{Pcg, Purpose, Sampler, Sequence};
-use etendue::{Counters, Estimator, Rgb, Scene, Scratch, Settings};
+use etendue::{Estimator, Rgb, Scene, Scratch, Settings};
 
 /// Who competes, unless one makes light that the other can't: those that make all light of most scenes, and whose samples are independent. Chains' aren't, and a short pilot can't tell how much they
 /// depend on each other.
@@ -82,8 +82,7 @@ fn found(scene: &Scene<'_>, settings: &Settings) -> Found {
             / 3.0
     };
     let (mut sum, mut done) = (0.0, 0);
-    let rays = |c: &Counters| c.closest_rays + c.shadow_rays;
-    while done < FEWEST_PIXELS || done < PIXELS && rays(&scratch.counters) < MOST_RAYS {
+    while done < FEWEST_PIXELS || done < PIXELS && scratch.counters.rays() < MOST_RAYS {
         let i = done;
         // Spread evenly: the golden ratio's multiples along the image, at random across.
         let x = f64::from(Pcg::new(settings.seed, FIRST, i).one(Purpose::Filter));
@@ -106,6 +105,6 @@ fn found(scene: &Scene<'_>, settings: &Settings) -> Found {
     Found {
         estimator: settings.estimator,
         mse: sum / done as f64,
-        cost: rays(&scratch.counters) as f64 / (2 * done) as f64,
+        cost: scratch.counters.rays() as f64 / (2 * done) as f64,
     }
 }

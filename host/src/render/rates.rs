@@ -58,7 +58,7 @@ impl Rates {
     /// (Neyman 1934, §5). By samples of their own, which are thrown away: an image whose own samples said how many there should be would be biased.
     ///
     /// # Errors
-    /// If the caller's threads leave a job out, or there isn't enough memory.
+    /// If the caller's threads leave a job out.
     pub fn found(
         scene: &Scene<'_>,
         settings: &Settings,
@@ -118,11 +118,6 @@ fn worth(
             pixels += 1.0;
         }
     }
-    let Counters {
-        closest_rays,
-        shadow_rays,
-        ..
-    } = scratch.counters;
-    let cost = ((closest_rays + shadow_rays) as f64 / pixels).max(1.0);
+    let cost = (scratch.counters.rays() as f64 / pixels).max(1.0);
     (variance / pixels / cost).sqrt()
 }

@@ -4,7 +4,7 @@ mod distribution;
 mod efficiency;
 mod tail;
 
-pub use distribution::{fisher_quantile, student, student_quantile};
+pub use distribution::{fisher_quantile, ln_gamma, student, student_quantile};
 pub use efficiency::{Costs, Interval};
 pub use tail::{FEWEST_ALIVE, Tail, tail_index};
 

@@ -16,14 +16,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let settings = Settings {
         estimator: match estimator.as_str() {
             "path" => Estimator::Path,
+            #[cfg(feature = "light")]
             "light" => Estimator::Light,
+            #[cfg(feature = "bidirectional")]
             "bidirectional" => Estimator::Bidirectional,
+            #[cfg(feature = "metropolis")]
             "metropolis" => Estimator::Metropolis,
-            other => return Err(format!("no such estimator: {other}").into()),
+            other => return Err(format!("no such estimator in this build: {other}").into()),
         },
         sequence: match sequence {
+            [] => Sequence::Independent,
+            #[cfg(feature = "sobol")]
             [name] if name == "sobol" => Sequence::Sobol,
-            _ => Sequence::Independent,
+            other => return Err(format!("no such numbers in this build: {other:?}").into()),
         },
         ..Settings::default()
     };

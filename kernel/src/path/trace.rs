@@ -54,6 +54,11 @@ impl Counters {
         full_walks: 0,
         rejected: 0,
     };
+
+    /// All rays.
+    pub const fn rays(&self) -> u64 {
+        self.closest_rays + self.shadow_rays
+    }
 }
 
 impl core::ops::AddAssign for Counters {

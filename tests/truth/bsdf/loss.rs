@@ -3,9 +3,8 @@
 use super::energy::albedo;
 use super::kernel::Rgb;
 use super::kernel::blob::format::{Header, Material, Toc, section};
-use super::kernel::real::Real;
 use super::kernel::surface::{Surface, TextureView};
-use super::zoo::{All, MODES, Random, Specimen, channels, direction};
+use super::zoo::{All, MODES, Random, Specimen, channels, direction, taken};
 use etendue_host::description::{ColorSource, Distribution, Facets, Masking, Model};
 use etendue_tests::render::blob;
 use etendue_tests::scenes::Builder;
@@ -84,12 +83,9 @@ fn plastic(facets: Option<Facets>) -> Model {
 /// The largest distance of the albedo from 1, from either side of the surface.
 fn worst(specimen: &Specimen, both_sides: bool) -> f64 {
     let cosines = COSINES.into_iter().flat_map(|c| [c, -c]);
-    // Half of them in each precision, unless tests are to be deep.
-    let precision = size_of::<Real>() / 4;
-    let taken = |i: usize| etendue_tests::deep() || (i / 2 + precision).is_multiple_of(2);
     cosines
         .enumerate()
-        .filter(|(i, _)| taken(*i))
+        .filter(|(i, _)| taken(i / 2))
         .map(|(_, cos)| cos)
         .filter(|c| both_sides || *c > 0.0)
         .map(|cos| (albedo(specimen, direction(cos, 0.4))[1] - 1.0).abs())

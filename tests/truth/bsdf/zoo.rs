@@ -424,10 +424,14 @@ pub fn directions() -> Vec<Vec3> {
 
 /// For what takes long: of each cosine one side in single and the other in double precision, or both if tests are to be deep.
 pub fn some_directions() -> impl Iterator<Item = Vec3> {
-    let precision = size_of::<Real>() / 4;
-    let taken = move |i: usize| etendue_tests::deep() || (i / 2 + i + precision).is_multiple_of(2);
     let all = directions().into_iter().enumerate();
-    all.filter(move |(i, _)| taken(*i)).map(|(_, w)| w)
+    all.filter(|(i, _)| taken(i / 2 + i)).map(|(_, w)| w)
+}
+
+/// Whether case `i` of many is for this precision: every other one, or all if tests are to be deep.
+pub fn taken(i: usize) -> bool {
+    let precision = size_of::<Real>() / 4;
+    etendue_tests::deep() || (i + precision).is_multiple_of(2)
 }
 
 /// By cosine and azimuth.
