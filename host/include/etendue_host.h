@@ -499,10 +499,13 @@ typedef struct EtdRender {
     uint32_t struct_size;
     // Threads of the library, 0: one per core. They end before the call returns. Not looked at where there is a `run`.
     uint32_t threads;
-    // Samples of each pixel; 0: `seconds` decides.
+    // Samples of each pixel; 0: `seconds` decides. With `error`, their mean is at most this (0: 65,536).
     uint64_t samples;
-    // How long, if `samples` is 0; > 0: ends with the first whole pass over the image that reaches it.
+    // How long, if `samples` is 0; > 0: ends with the first whole pass over the image that reaches it. With `error`, at most this long (0: any time).
     double seconds;
+    // 0, or the relative error at which to stop: the root of the squared error's mean over that of the image's square is not above it with 95 %
+    // confidence. Pixels have more samples where there is more noise. Not for `ETD_METROPOLIS` (`ETD_E_UNSUPPORTED`).
+    double error;
     // Handed to both functions.
     void *user;
     // The caller's threads, or null: calls `job(context, i)` once for each i < `jobs`, in any order and on as many threads at once as it likes, and
@@ -527,9 +530,9 @@ typedef struct EtdRendered {
     uint32_t width;
     // Rows.
     uint32_t height;
-    // Zero.
-    uint32_t reserved;
-    // Samples of each pixel.
+    // 1 if there was an `error` to reach and it was reached, else 0.
+    uint32_t met;
+    // Samples of each pixel; with `error`, their mean.
     uint64_t samples;
     // How long it took.
     double seconds;
@@ -543,6 +546,8 @@ typedef struct EtdRendered {
     uint64_t rejected;
     // Contributions too small for the film.
     uint64_t underflowed;
+    // An estimate of the relative error, if there was an `error` to reach: infinite where too little was rendered to say. Else 0.
+    double error;
 } EtdRendered;
 
 #ifdef __cplusplus
@@ -720,6 +725,6 @@ EtdStatus etd_host_render(const EtdScene *scene,
 ETD_ASSERT(sizeof(void *) != 8 ||
            (sizeof(EtdHost) == 40 && sizeof(EtdBlob) == 40 && sizeof(EtdBuilt) == 24 && sizeof(EtdCamera) == 108 &&
             sizeof(EtdMaterial) == 120 && sizeof(EtdTexture) == 88 && sizeof(EtdMesh) == 72 && sizeof(EtdSphere) == 48 &&
-            sizeof(EtdLight) == 120 && sizeof(EtdMedium) == 264 && sizeof(EtdAdvice) == 12 && sizeof(EtdRender) == 48 && sizeof(EtdRendered) == 72));
+            sizeof(EtdLight) == 120 && sizeof(EtdMedium) == 264 && sizeof(EtdAdvice) == 12 && sizeof(EtdRender) == 56 && sizeof(EtdRendered) == 80));
 #undef ETD_ASSERT
 #endif

@@ -121,7 +121,7 @@ fn hidden_lamp() -> Description {
 }
 
 /// The mean of many renders that each stop when they like is the truth: a render that stopped by its own samples would be too dark, because it stops early where it has missed
-/// light (by 8 %, z = -25, if a half's own films tell it to stop). P(|z| > 6) = 2e-9.
+/// light (by 8 %, z = -21, if a half's own films tell it to stop). P(|z| > 6) = 2e-9.
 #[test]
 fn stopping_is_unbiased() {
     const RUNS: u64 = 600;

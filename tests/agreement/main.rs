@@ -7,6 +7,7 @@
 mod accuracy;
 mod media;
 mod metropolis;
+mod possible;
 mod scenes;
 mod sequences;
 mod spectra;
@@ -17,6 +18,7 @@ use etendue_host::blob::AlignedBlob;
 use etendue_host::description::Description;
 use etendue_host::scene::{Changes, prepare};
 use etendue_tests::render::{Estimate, blob, double, single};
+use etendue_tests::{noise, samples};
 use rayon::prelude::*;
 
 const Z: f64 = 5.9;
@@ -79,31 +81,31 @@ fn assert_agree(what: &str, a: &[Estimate], b: &[Estimate]) {
     let ((m, e), (n, f)) = (total(a), total(b));
     assert!(m > 0.0, "{what}: nothing is seen");
     assert!(
-        (e * e + f * f).sqrt() < 0.012 * m,
+        (e * e + f * f).sqrt() < noise(0.012) * m,
         "{what}: too noisy to tell: {m} ± {e} against {n} ± {f}"
     );
 }
 
-/// Path against light against bidirectional by each heuristic.
+/// Path against light against bidirectional by each heuristic; by half of the passes and two of the heuristics unless tests are to be deep.
 fn agree(name: &str, d: &Description, complete: Complete, max_edges: Option<u32>) {
     // Seen where one of the estimates itself fails.
     println!("{name}");
-    let path = estimates(d, Estimator::Path, Heuristic::Power, max_edges, 40);
+    let of = |estimator, h, deep| estimates(d, estimator, h, max_edges, samples(deep));
+    let path = of(Estimator::Path, Heuristic::Power, 40);
     let heuristics = [
         Heuristic::Balance,
         Heuristic::Power,
         Heuristic::Cutoff,
         Heuristic::Maximum,
     ];
-    // Two for each scene, or all if tests are to be deep.
     let taken = |i: usize| etendue_tests::deep() || (i + name.len()).is_multiple_of(2);
     let taken = (0..).zip(heuristics).filter(|(i, _)| taken(*i));
     taken.par_bridge().for_each(|(_, h)| {
-        let both = estimates(d, Estimator::Bidirectional, h, max_edges, 12);
+        let both = of(Estimator::Bidirectional, h, 12);
         assert_agree(&format!("{name}: path, bidirectional {h:?}"), &path, &both);
     });
     if complete == Complete::FromLight {
-        let light = estimates(d, Estimator::Light, Heuristic::Power, max_edges, 24);
+        let light = of(Estimator::Light, Heuristic::Power, 24);
         assert_agree(&format!("{name}: path, light"), &path, &light);
     }
 }

@@ -38,6 +38,7 @@ pub enum Complete {
 fn estimates(d: &Description, settings: Settings, passes: u64) -> Vec<Estimate> {
     let bytes = blob(d);
     let scene = Scene::open(bytes.bytes()).unwrap();
+    let passes = etendue_tests::samples(passes);
     single::blocks::<32>(&scene, &settings, 4, passes, BATCHES)
 }
 
@@ -85,7 +86,7 @@ fn assert_agree(what: &str, a: &[Estimate], b: &[Estimate], bound: f64) {
     let noise = |e: &[Estimate]| e.iter().map(|e| e.error.powi(2)).sum::<f64>().sqrt();
     assert!(sum(a) > 0.0, "{what}: nothing is seen");
     assert!(
-        noise(a).hypot(noise(b)) < 0.015 * sum(a),
+        noise(a).hypot(noise(b)) < etendue_tests::noise(0.015) * sum(a),
         "{what}: too noisy to tell"
     );
     for (i, (x, y)) in a.iter().zip(b).enumerate() {

@@ -59,7 +59,7 @@ struct Case<'a> {
     /// relMSE of a reference that has no noise image.
     relative_noise: f64,
     estimator: Estimator,
-    /// Samples per pixel of each of the renders.
+    /// Samples per pixel of each of the renders if tests are deep.
     passes: u64,
     /// Whether blocks are tested: not where single samples are so bright that 64 means aren't normal.
     by_block: bool,
@@ -91,7 +91,7 @@ fn check(case: &Case<'_>) {
             };
             let options = Options {
                 settings,
-                budget: Budget::Passes(case.passes),
+                budget: Budget::Passes(etendue_tests::samples(case.passes)),
                 threads: 0,
                 device: Device::Cpu,
             };

@@ -14,3 +14,17 @@ pub mod statistics;
 pub fn deep() -> bool {
     std::env::var_os("ETENDUE_DEEP").is_some_and(|v| !v.is_empty() && v != "0")
 }
+
+/// Samples of a comparison that takes so many if tests are deep: half of them if they aren't.
+pub fn samples(deep: u64) -> u64 {
+    if self::deep() { deep } else { deep.div_ceil(2) }
+}
+
+/// The noise up to which such a comparison is of use: √2 times as much with half of the samples.
+pub fn noise(deep: f64) -> f64 {
+    if self::deep() {
+        deep
+    } else {
+        deep * std::f64::consts::SQRT_2
+    }
+}

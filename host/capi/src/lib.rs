@@ -45,7 +45,7 @@ const _: () = {
                 && size_of::<light::EtdLight>() == 104 + 2 * pointer
                 && size_of::<medium::EtdMedium>() == 144 + 3 * (24 + 2 * pointer)
                 && size_of::<load::EtdAdvice>() == 12
-                && size_of::<render::EtdRender>() == 24 + 3 * pointer
-                && size_of::<render::EtdRendered>() == 72
+                && size_of::<render::EtdRender>() == 32 + 3 * pointer
+                && size_of::<render::EtdRendered>() == 80
     );
 };

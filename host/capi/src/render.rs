@@ -25,10 +25,13 @@ pub struct EtdRender {
     pub struct_size: u32,
     /// Threads of the library, 0: one per core. They end before the call returns. Not looked at where there is a `run`.
     pub threads: u32,
-    /// Samples of each pixel; 0: `seconds` decides.
+    /// Samples of each pixel; 0: `seconds` decides. With `error`, their mean is at most this (0: 65,536).
     pub samples: u64,
-    /// How long, if `samples` is 0; > 0: ends with the first whole pass over the image that reaches it.
+    /// How long, if `samples` is 0; > 0: ends with the first whole pass over the image that reaches it. With `error`, at most this long (0: any time).
     pub seconds: f64,
+    /// 0, or the relative error at which to stop: the root of the squared error's mean over that of the image's square is not above it with 95 %
+    /// confidence. Pixels have more samples where there is more noise. Not for `ETD_METROPOLIS` (`ETD_E_UNSUPPORTED`).
+    pub error: f64,
     /// Handed to both functions.
     pub user: *mut c_void,
     /// The caller's threads, or null: calls `job(context, i)` once for each i < `jobs`, in any order and on as many threads at once as it likes, and
@@ -56,9 +59,9 @@ pub struct EtdRendered {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Zero.
-    pub reserved: u32,
-    /// Samples of each pixel.
+    /// 1 if there was an `error` to reach and it was reached, else 0.
+    pub met: u32,
+    /// Samples of each pixel; with `error`, their mean.
     pub samples: u64,
     /// How long it took.
     pub seconds: f64,
@@ -72,6 +75,8 @@ pub struct EtdRendered {
     pub rejected: u64,
     /// Contributions too small for the film.
     pub underflowed: u64,
+    /// An estimate of the relative error, if there was an `error` to reach: infinite where too little was rendered to say. Else 0.
+    pub error: f64,
 }
 
 // SAFETY: repr(C), the size first, numbers and nullable pointers only.
@@ -148,6 +153,29 @@ fn status(e: &RenderError) -> EtdStatus {
     }
 }
 
+/// What to spend. Of times, only one that counts is looked at.
+fn budget(how: &EtdRender) -> Result<Budget, EtdStatus> {
+    let time = || Duration::try_from_secs_f64(how.seconds).map_err(|_| ETD_E_ARGUMENT);
+    if how.error == 0.0 {
+        return match how.samples {
+            0 if how.seconds > 0.0 => Ok(Budget::Time(time()?)),
+            0 => Err(ETD_E_ARGUMENT),
+            n => Ok(Budget::Passes(n)),
+        };
+    }
+    if !(how.error > 0.0 && how.error.is_finite()) {
+        return Err(ETD_E_ARGUMENT);
+    }
+    Ok(Budget::Error {
+        relative: how.error,
+        passes: match how.samples {
+            0 => Budget::MOST_PASSES,
+            n => n,
+        },
+        time: (how.seconds != 0.0).then(time).transpose()?,
+    })
+}
+
 /// Renders the whole image into `rgb`, linear RGB radiance, row by row from the top, `floats` = 3 · width · height of the scene's crop window
 /// (`etd_scene_inspect`). `rendered` may be null. The same scene, settings and samples give the same bits on any number of threads, the library's or the caller's.
 ///
@@ -173,13 +201,7 @@ pub unsafe extern "C" fn etd_host_render(
             return Err(ETD_E_SIZE);
         }
         let rgb = slice_mut(rgb, floats)?;
-        let budget = match how.samples {
-            0 if how.seconds > 0.0 => {
-                Budget::Time(Duration::try_from_secs_f64(how.seconds).map_err(|_| ETD_E_ARGUMENT)?)
-            }
-            0 => return Err(ETD_E_ARGUMENT),
-            n => Budget::Passes(n),
-        };
+        let budget = budget(how)?;
         // Threads that are started below inherit the control word, where they don't begin with the default.
         let _control = Control::set();
         let stop = AtomicBool::new(false);
@@ -223,7 +245,7 @@ fn report(r: &Rendered) -> EtdRendered {
         struct_size: size_of::<EtdRendered>() as u32,
         width: r.size[0],
         height: r.size[1],
-        reserved: 0,
+        met: r.accuracy.is_some_and(|a| a.met).into(),
         samples: r.passes,
         seconds: r.seconds,
         closest_rays: r.counters.closest_rays,
@@ -231,6 +253,7 @@ fn report(r: &Rendered) -> EtdRendered {
         light_walks: r.counters.light_walks,
         rejected: r.counters.rejected + r.refused.saturated + r.refused.invalid,
         underflowed: r.refused.underflowed,
+        error: r.accuracy.map_or(0.0, |a| a.found),
     }
 }
 
@@ -261,6 +284,7 @@ mod tests {
             threads: 0,
             samples: 1,
             seconds: 0.0,
+            error: 0.0,
             user: std::ptr::null_mut(),
             run: Some(one_by_one),
             progress: None,

@@ -362,6 +362,13 @@ fn left_out(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
             writeln!(out, "  {line}")?;
         }
     }
+    let possible = scene.possible();
+    if !possible.joins {
+        writeln!(out, "  light walks: no vertex can be joined to another")?;
+    }
+    if !possible.meets {
+        writeln!(out, "  the last ray of a walk: it can't meet light")?;
+    }
     if scene.world().background == NONE {
         writeln!(out, "  background: what leaves the scene is black")?;
     }

@@ -98,9 +98,6 @@ pub(super) fn duration(text: &str) -> Result<Duration, String> {
         .ok_or_else(expected)
 }
 
-/// Samples per pixel at most if an error is asked for.
-const MOST_SAMPLES: u64 = 1 << 16;
-
 /// A number, or one in percent.
 fn relative_error(text: &str) -> Result<f64, String> {
     let (number, scale) = match text.strip_suffix('%') {
@@ -119,7 +116,7 @@ impl Render {
         match (self.error, self.time) {
             (Some(relative), time) => Budget::Error {
                 relative,
-                passes: self.spp.unwrap_or(MOST_SAMPLES),
+                passes: self.spp.unwrap_or(Budget::MOST_PASSES),
                 time,
             },
             (None, Some(time)) => Budget::Time(time),

@@ -32,6 +32,9 @@ const LARGEST_BATCH: u64 = 64;
 const BATCH_SECONDS: f64 = 0.5;
 
 impl Budget {
+    /// Samples per pixel at most where only an error is asked for.
+    pub const MOST_PASSES: u64 = 1 << 16;
+
     pub(super) fn begin(self) -> Spending {
         let (passes, time) = match self {
             Self::Passes(passes) => (passes, None),

@@ -9,6 +9,7 @@ use super::format::{
     Cell, Choice, Emitter, Grid, Header, LANES, Material, Medium, NONE, Node, Packet, Sensor,
     Shape, Sphere, Texture, Triangle, World, needs,
 };
+use super::possible::Possible;
 use crate::real::{Vec3, vec3};
 use crate::shape::{Instructions, IsaKind};
 use crate::surface::TextureView;
@@ -36,6 +37,7 @@ pub struct Scene<'a> {
     pub(super) media: &'a [Medium],
     pub(super) grids: &'a [Grid],
     pub(super) isa: Instructions,
+    pub(super) possible: Possible,
 }
 
 impl<'a> Scene<'a> {
@@ -87,6 +89,12 @@ impl<'a> Scene<'a> {
     #[inline(always)]
     pub fn has(&self, bits: u32) -> bool {
         self.header.needs & bits != 0
+    }
+
+    /// What light paths there may be at all.
+    #[inline(always)]
+    pub fn possible(&self) -> Possible {
+        self.possible
     }
 
     /// Facts about the scene as a whole.

@@ -11,6 +11,7 @@
 use super::Settings;
 use super::light::{Seen, emit, see_light, see_vertex, spread};
 use super::scratch::Workspace;
+use crate::blob::Possible;
 use crate::blob::format::NONE;
 use crate::emitter;
 use crate::instance::Instance;
@@ -34,9 +35,9 @@ pub(super) trait Strategies: Copy {
     fn has_more(self, end: Subpath, vertices: usize) -> bool;
 }
 
-/// All of them.
+/// All of them that can contribute.
 #[derive(Clone, Copy)]
-pub(super) struct All;
+pub(super) struct All(Possible);
 
 impl Strategies for All {
     #[inline(always)]
@@ -44,8 +45,8 @@ impl Strategies for All {
         true
     }
     #[inline(always)]
-    fn has_more(self, _: Subpath, _: usize) -> bool {
-        true
+    fn has_more(self, end: Subpath, _: usize) -> bool {
+        end == Subpath::Sensor || self.0.joins
     }
 }
 
@@ -91,8 +92,9 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     let Some(mis) = begin(trace, settings, limit, element, scratch) else {
         return sum;
     };
-    light_side(trace, limit, &mis, element, All, sampler, scratch, seen);
-    sensor_side(trace, limit, &mis, element, All, sampler, scratch, &mut sum);
+    let all = All(scene.possible());
+    light_side(trace, limit, &mis, element, all, sampler, scratch, seen);
+    sensor_side(trace, limit, &mis, element, all, sampler, scratch, &mut sum);
     sum
 }
 
@@ -268,7 +270,9 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
                 }
             }
         }
-        if !wanted.has_more(Subpath::Sensor, t) {
+        // The last ray has nothing to find but light.
+        let in_vain = walk.edges + 1 >= limit && !trace.scene.possible().meets;
+        if in_vain || !wanted.has_more(Subpath::Sensor, t) {
             return;
         }
         let Some(step) = walk.leave(trace, &vertex, sampler) else {

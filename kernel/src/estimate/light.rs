@@ -43,7 +43,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     }
     let mis = super::mis(settings, 0.0, 1);
     let mut walk = Walk::from_light(trace, &emission);
-    while walk.edges < limit {
+    while walk.edges < limit && trace.scene.possible().joins {
         let Arrival::Vertex(vertex, _) = walk.arrive(trace, sampler, &mis) else {
             break;
         };

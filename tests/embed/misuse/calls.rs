@@ -2,7 +2,7 @@
 
 use super::{Builder, made, no_memory, off, pointers, sized, triangle};
 use etendue::capi::scene::{ETD_SCENE_SIZE, EtdScene, etd_scene_open};
-use etendue::capi::settings::{EtdSettings, etd_settings_default};
+use etendue::capi::settings::{ETD_METROPOLIS, EtdSettings, etd_settings_default};
 use etendue::capi::status::*;
 use etendue_host_capi::blob::{EtdBlob, etd_blob_free};
 use etendue_host_capi::builder::*;
@@ -154,6 +154,35 @@ fn renders() {
         (how.samples, how.seconds, how.progress) = (0, 0.01, None);
         assert_eq!(call(scene, &settings, &how, out, 192, report), ETD_OK);
         assert!(rendered.samples > 0);
+        // An error: reached, out of reach in the samples there are, impossible.
+        (how.samples, how.seconds, how.error) = (0, 0.0, 0.3);
+        assert_eq!(call(scene, &settings, &how, out, 192, report), ETD_OK);
+        assert!(rendered.met == 1 && rendered.error <= 0.3 && rendered.samples > 0);
+        (how.samples, how.error) = (16, 1e-6);
+        assert_eq!(call(scene, &settings, &how, out, 192, report), ETD_OK);
+        assert!(rendered.met == 0 && rendered.error > 1e-6);
+        assert!((12..=20).contains(&rendered.samples));
+        for (seconds, error) in [
+            (0.0, -1.0),
+            (0.0, f64::NAN),
+            (0.0, f64::INFINITY),
+            (-1.0, 0.1),
+        ] {
+            (how.seconds, how.error) = (seconds, error);
+            assert_eq!(
+                call(scene, &settings, &how, out, 192, report),
+                ETD_E_ARGUMENT
+            );
+        }
+        (how.seconds, how.error) = (0.0, 0.1);
+        let chains = EtdSettings {
+            estimator: ETD_METROPOLIS,
+            ..settings
+        };
+        assert_eq!(
+            call(scene, &chains, &how, out, 192, report),
+            ETD_E_UNSUPPORTED
+        );
         assert_eq!(etd_blob_free(&raw mut blob), ETD_OK);
     }
 }

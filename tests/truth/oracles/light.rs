@@ -244,6 +244,7 @@ pub fn seen_by_light(
             max_edges,
             ..Settings::default()
         };
+        let passes = etendue_tests::samples(passes);
         let mean = single::blocks::<32>(&scene, &settings, 1, passes, BATCHES)[1];
         let e = Estimate {
             mean: mean.mean * factor,

@@ -15,6 +15,7 @@ use etendue_host::blob::AlignedBlob;
 use etendue_host::description::{ColorSource, EmitterKind, Mesh, Model};
 use etendue_tests::render::{Estimate, blob, double, single};
 use etendue_tests::scenes::{Builder, V};
+use etendue_tests::{noise, samples};
 use std::sync::LazyLock;
 
 const Z: f64 = 5.0;
@@ -42,7 +43,7 @@ fn check(id: &str, what: &str, estimate: Estimate, precision: f64) {
         .unwrap_or_else(|| panic!("no oracle {id}"));
     let allowed = Z * estimate.error + oracle["uncertainty"].as_f64().unwrap() + ROUNDING * truth;
     assert!(
-        estimate.error <= precision * truth,
+        estimate.error <= noise(precision) * truth,
         "{id} {what}: {estimate:?} is too noisy to judge {truth}"
     );
     assert!(
@@ -59,6 +60,7 @@ enum Ask {
 }
 
 fn batches(n: u64, mut one: impl FnMut(u64, u64) -> f64) -> Estimate {
+    let n = samples(n);
     let batch: Vec<f64> = (0..BATCHES)
         .map(|b| (0..n).map(|i| one(b, i)).sum::<f64>() / n as f64)
         .collect();

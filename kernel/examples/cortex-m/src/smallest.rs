@@ -38,8 +38,29 @@ fn main() -> ! {
                 black_box(scene.estimate(&settings, pixel, 0, &mut scratch, &mut splat));
             }
         }
+        #[cfg(feature = "metropolis")]
+        chains(&scene, &mut scratch);
     }
     loop {}
+}
+
+/// One chain, from the first path of its bootstrap.
+#[cfg(feature = "metropolis")]
+fn chains(scene: &Scene<'_>, scratch: &mut Scratch<8>) {
+    use etendue::estimate::{Chain, Lengths};
+    let settings = Settings {
+        estimator: Estimator::Metropolis,
+        ..Settings::default()
+    };
+    let lengths = Lengths::default();
+    let (edges, importance) = scene.bootstrap(&settings, &lengths, 0, scratch);
+    let scale = importance / lengths.probability(edges);
+    let mut chain = Chain::<16>::new();
+    chain.start(scene, &settings, &lengths, 0, 0, scratch);
+    let mut splat = |pixel, value| {
+        black_box((pixel, value));
+    };
+    chain.advance(scene, &settings, scale, 64, scratch, &mut splat);
 }
 
 /// The division by the image's width is the only panic, and the gate has seen to it.

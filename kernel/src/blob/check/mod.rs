@@ -15,6 +15,7 @@ mod rules;
 mod sensor;
 mod surface;
 
+use super::Possible;
 use super::error::BlobError;
 use super::format::section;
 use super::rule::Rule;
@@ -49,6 +50,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
         media: contents.section(section::MEDIA)?,
         grids: contents.section(section::GRIDS)?,
         isa: Instructions::select(IsaKind::best()),
+        possible: Possible::default(),
     };
     let s = &scene;
     geometry::world(s).map_err(at(section::WORLD))?;
@@ -89,5 +91,8 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
     })?;
     each(section::CHOICES, s.choices, |_, c| light::choice(s, c))?;
     each(section::CELLS, s.cells, |_, c| light::cell(c))?;
-    Ok(scene)
+    Ok(Scene {
+        possible: Possible::of(s),
+        ..scene
+    })
 }
