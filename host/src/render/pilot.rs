@@ -19,9 +19,9 @@ use etendue::{Estimator, Rgb, Scene, Scratch, Settings};
 /// depend on each other.
 const CANDIDATES: [Estimator; 2] = [Estimator::Path, Estimator::Bidirectional];
 /// Pixels that are looked at, unless their rays come to more than the most before: a pilot is to take a second, not the render's time.
-const PIXELS: u64 = 1 << 13;
+const PIXELS: u64 = 1 << 15;
 const FEWEST_PIXELS: u64 = 1 << 10;
-const MOST_RAYS: u64 = 1 << 19;
+const MOST_RAYS: u64 = 1 << 20;
 /// Of this number and more are the samples of the pilot: no render gets there.
 const FIRST: u64 = 1 << 48;
 
@@ -54,11 +54,19 @@ pub fn pilot(scene: &Scene<'_>, settings: &Settings) -> Vec<Found> {
     // Light that is left out has no error. What bidirectional leaves out, path does.
     let complete =
         |e: Estimator| e == Estimator::Bidirectional || unreachable(scene, &with(e)).is_empty();
-    let mut all: Vec<Found> = CANDIDATES
-        .iter()
-        .filter(|&&e| complete(e))
-        .map(|&e| found(scene, &with(e)))
-        .collect();
+    let candidates = CANDIDATES.into_iter().filter(|&e| complete(e));
+    let mut all: Vec<Found> = std::thread::scope(|threads| {
+        let pilots: Vec<_> = candidates
+            .map(|e| threads.spawn(move || found(scene, &with(e))))
+            .collect();
+        // What panicked there goes on here.
+        let result = |pilot: std::thread::ScopedJoinHandle<'_, Found>| {
+            pilot
+                .join()
+                .unwrap_or_else(|p| std::panic::resume_unwind(p))
+        };
+        pilots.into_iter().map(result).collect()
+    });
     // Stable, and NaN (no error at no cost) counts as the best there is.
     let rank = |f: &Found| {
         if f.mse > 0.0 {

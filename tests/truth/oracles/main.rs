@@ -27,6 +27,12 @@ const BATCHES: u64 = 64;
 static ORACLES: LazyLock<serde_json::Value> = LazyLock::new(|| {
     let read = |text| serde_json::from_str::<serde_json::Value>(text).unwrap();
     let mut all = read(include_str!("../../data/transport.json"));
+    for (id, record) in read(include_str!("../../data/slabs.json"))
+        .as_object()
+        .unwrap()
+    {
+        all[id] = record.clone();
+    }
     for record in read(include_str!("../../data/oracles.json"))
         .as_array()
         .unwrap()

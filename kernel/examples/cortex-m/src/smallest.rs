@@ -53,6 +53,7 @@ fn chains(scene: &Scene<'_>, scratch: &mut Scratch<8>) {
         ..Settings::default()
     };
     let lengths = Lengths::default();
+    let scratch = &mut scratch.view(scene);
     let (edges, importance) = scene.bootstrap(&settings, &lengths, 0, scratch);
     let scale = importance / lengths.probability(edges);
     let mut chain = Chain::<16>::new();
