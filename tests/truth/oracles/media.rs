@@ -209,13 +209,13 @@ fn endless_slabs() {
         (
             "highalbedo_a0.99999_tau10000_g0.0_UR1",
             Slab::new(1e4, 0.99999, 0.0),
-            20,
+            24,
             0.02,
         ),
         (
             "highalbedo_a0.99999_tau10000_g0.0_URU",
             Slab::new(1e4, 0.99999, 0.0),
-            20,
+            24,
             0.02,
         ),
         (
