@@ -62,7 +62,14 @@ fn of_blob(
     single::blocks::<32>(&scene, &settings, BLOCKS, passes, BATCHES)
 }
 
+/// Up to which noise of the whole image's brightness a comparison is of use.
+const NOISE: f64 = 0.012;
+
 fn assert_agree(what: &str, a: &[Estimate], b: &[Estimate]) {
+    assert_agree_up_to(NOISE, what, a, b);
+}
+
+fn assert_agree_up_to(most: f64, what: &str, a: &[Estimate], b: &[Estimate]) {
     for (i, (x, y)) in a.iter().zip(b).enumerate() {
         let z = x.z(y);
         assert!(
@@ -81,7 +88,7 @@ fn assert_agree(what: &str, a: &[Estimate], b: &[Estimate]) {
     let ((m, e), (n, f)) = (total(a), total(b));
     assert!(m > 0.0, "{what}: nothing is seen");
     assert!(
-        (e * e + f * f).sqrt() < noise(0.012) * m,
+        (e * e + f * f).sqrt() < most * m,
         "{what}: too noisy to tell: {m} ± {e} against {n} ± {f}"
     );
 }
@@ -90,7 +97,10 @@ fn assert_agree(what: &str, a: &[Estimate], b: &[Estimate]) {
 fn agree(name: &str, d: &Description, complete: Complete, max_edges: Option<u32>) {
     // Seen where one of the estimates itself fails.
     println!("{name}");
-    let of = |estimator, h, deep| estimates(d, estimator, h, max_edges, samples(deep));
+    let of = |estimator, h, passes| estimates(d, estimator, h, max_edges, samples(passes));
+    let compare = |what: String, a: &[Estimate], b: &[Estimate]| {
+        assert_agree_up_to(noise(NOISE), &format!("{name}: path, {what}"), a, b);
+    };
     let path = of(Estimator::Path, Heuristic::Power, 40);
     let heuristics = [
         Heuristic::Balance,
@@ -102,11 +112,11 @@ fn agree(name: &str, d: &Description, complete: Complete, max_edges: Option<u32>
     let taken = (0..).zip(heuristics).filter(|(i, _)| taken(*i));
     taken.par_bridge().for_each(|(_, h)| {
         let both = of(Estimator::Bidirectional, h, 12);
-        assert_agree(&format!("{name}: path, bidirectional {h:?}"), &path, &both);
+        compare(format!("bidirectional {h:?}"), &path, &both);
     });
     if complete == Complete::FromLight {
         let light = of(Estimator::Light, Heuristic::Power, 24);
-        assert_agree(&format!("{name}: path, light"), &path, &light);
+        compare("light".into(), &path, &light);
     }
 }
 

@@ -3,6 +3,7 @@
 //!
 //! Budget: on 9 scenes of 10 what is chosen has at least 0.9 of the best one's efficiency.
 
+use etendue_tests::place::root;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -12,11 +13,9 @@ const TIMES: [&str; 2] = ["16s", "24s"];
 const CANDIDATES: &str = "path,bidirectional";
 
 fn main() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .expect("tests/ has a parent");
+    let root = root();
     let built = Command::new(env!("CARGO"))
-        .current_dir(root)
+        .current_dir(&root)
         .args(["build", "--quiet", "--release", "--bin", "etendue"])
         .status()
         .expect("cargo runs");
@@ -33,7 +32,7 @@ fn main() {
     for scene in folders.iter().flat_map(|folder| scenes(folder)) {
         let name = scene.file_stem().unwrap_or_default().to_string_lossy();
         let Some(chosen) = chosen(&program, &scene, work.path()) else {
-            println!("{name}: refused");
+            println!("{name}: refused, or there is no choice");
             continue;
         };
         let [path, bidirectional, ratio, low, high] = measured(&program, &scene, work.path());
@@ -69,7 +68,7 @@ fn small(program: &Path, command: &str, scene: &Path) -> Command {
     small
 }
 
-/// What the pilot chooses; `None` if the scene is refused.
+/// What the pilot chooses; `None` if the scene is refused or there is one candidate only.
 fn chosen(program: &Path, scene: &Path, work: &Path) -> Option<String> {
     let output = small(program, "render", scene)
         .args(["--spp", "1", "--estimator", "auto", "-o"])

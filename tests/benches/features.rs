@@ -6,6 +6,7 @@
 
 use etendue_host::description::Carry;
 use etendue_host::scene::{Changes, prepare};
+use etendue_tests::place::root;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -99,9 +100,7 @@ fn main() {
         println!("valgrind is not installed: nothing is counted");
         return;
     }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .expect("tests/ has a parent");
+    let root = &root();
     let work = tempfile::tempdir().expect("a temporary folder");
     let target = root.join("target/features");
     let everything = build(root, &target, &ALL);

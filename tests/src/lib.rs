@@ -16,15 +16,15 @@ pub fn deep() -> bool {
 }
 
 /// Samples of a comparison that takes so many if tests are deep: half of them if they aren't.
-pub fn samples(deep: u64) -> u64 {
-    if self::deep() { deep } else { deep.div_ceil(2) }
+pub fn samples(all: u64) -> u64 {
+    if deep() { all } else { all.div_ceil(2) }
 }
 
 /// The noise up to which such a comparison is of use: √2 times as much with half of the samples.
-pub fn noise(deep: f64) -> f64 {
-    if self::deep() {
-        deep
+pub fn noise(all: f64) -> f64 {
+    if deep() {
+        all
     } else {
-        deep * std::f64::consts::SQRT_2
+        all * std::f64::consts::SQRT_2
     }
 }

@@ -153,7 +153,7 @@ fn status(e: &RenderError) -> EtdStatus {
     }
 }
 
-/// What to spend. Of times, only one that counts is looked at.
+/// What to spend. `seconds` isn't looked at where `samples` decides.
 fn budget(how: &EtdRender) -> Result<Budget, EtdStatus> {
     let time = || Duration::try_from_secs_f64(how.seconds).map_err(|_| ETD_E_ARGUMENT);
     if how.error == 0.0 {

@@ -137,24 +137,11 @@ fn each(prefix: &str) {
     let some = if etendue_tests::deep() { 1 } else { SOME };
     for id in ids(prefix).into_iter().step_by(some) {
         let slab = named(&id);
-        // Where little comes through or light goes on for long, what is known is less.
-        let rare = ORACLES[&id]["value"].as_f64().unwrap() < 0.01;
-        let precision = if rare { 0.2 } else { 0.05 };
-        if slab.albedo > 0.98 {
-            // Path's cost grows with the number of times that light scatters alone.
-            let what = slab.what(&id);
-            ask_by(
-                &[Estimator::Path],
-                &slab.blob(),
-                &id,
-                what,
-                enough(&id),
-                None,
-                precision,
-            );
-        } else {
-            slab.ask(&id, enough(&id), precision);
-        }
+        // In deep ones light scatters a thousand times, and path's cost grows with that number alone.
+        let both = [Estimator::Path, Estimator::Bidirectional];
+        let estimators = if slab.tau > 40.0 { &both[..1] } else { &both };
+        let (bytes, what) = (slab.blob(), slab.what(&id));
+        ask_by(estimators, &bytes, &id, what, enough(&id), None, 0.05);
     }
 }
 
