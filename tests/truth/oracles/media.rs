@@ -128,7 +128,7 @@ fn ids(prefix: &str) -> Vec<String> {
 /// More samples where less comes back.
 fn enough(id: &str) -> u64 {
     let truth = ORACLES[id]["value"].as_f64().unwrap();
-    (100.0 / truth).clamp(400.0, 10_000.0) as u64
+    (100.0 / truth).clamp(400.0, 60_000.0) as u64
 }
 
 /// Slabs whose names begin like this: all, or one in some unless tests are to be deep.
