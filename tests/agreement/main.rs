@@ -382,7 +382,8 @@ fn irradiance_is_what_a_white_patch_reflects() {
             (0..32_000)
                 .map(|i| {
                     f64::from(
-                        single::irradiance(&scene, &settings, position, normal, b, i, &mut scratch)
+                        scene
+                            .irradiance(&settings, position, normal, b, i, &mut scratch)
                             .g,
                     )
                 })
@@ -402,16 +403,16 @@ fn irradiance_is_what_a_white_patch_reflects() {
     let batch = |b: u64| {
         let one = |i| {
             f64::from(
-                single::radiance(
-                    &scene,
-                    &Settings::default(),
-                    Vec3::new(0.2, -0.7, 0.5),
-                    -Vec3::Z,
-                    b,
-                    i,
-                    &mut scratch,
-                )
-                .g,
+                scene
+                    .radiance(
+                        &Settings::default(),
+                        Vec3::new(0.2, -0.7, 0.5),
+                        -Vec3::Z,
+                        b,
+                        i,
+                        &mut scratch,
+                    )
+                    .g,
             )
         };
         (0..32_000).map(one).sum::<f64>() / 32_000.0 * std::f64::consts::PI / 0.7

@@ -107,7 +107,7 @@ fn image(scene: &Scene<'_>, settings: &Settings, passes: u64) -> Vec<f64> {
             let splat = &mut |[x, y]: [u32; 2], v: etendue::Rgb| {
                 image[(y * w + x) as usize] += f64::from(v.g) / passes as f64;
             };
-            let own = single::estimate(scene, settings, pixel, index, &mut scratch, splat);
+            let own = scene.estimate(settings, pixel, index, &mut scratch, splat);
             image[at as usize] += f64::from(own.g) / passes as f64;
         }
     }

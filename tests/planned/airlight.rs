@@ -1,7 +1,7 @@
 //! Light of a point, scattered once on the way to a wall (`tests/data/airlight.json`): values, and the errors of the rule itself.
 
 use etendue_host::description::{EmitterKind, Phase};
-use etendue_tests::render::{blob, double, single};
+use etendue_tests::render::blob;
 use etendue_tests::scenes::Builder;
 use glam::{DVec3, Vec3};
 use serde_json::Value;
@@ -56,7 +56,9 @@ fn radiance(o: &Value, steps: u16, shift: Option<u64>) -> Found {
         let scene = etendue::Scene::open(bytes.bytes()).unwrap();
         let mut scratch = etendue::Scratch::<8>::new();
         let eye = Vec3::new(eye as f32, 0.0, 0.0);
-        single::radiance(&scene, &settings, eye, Vec3::X, 0, index, &mut scratch).g
+        scene
+            .radiance(&settings, eye, Vec3::X, 0, index, &mut scratch)
+            .g
     };
     let settings = etendue_f64::Settings {
         estimator: etendue_f64::Estimator::Quadrature,
@@ -70,7 +72,9 @@ fn radiance(o: &Value, steps: u16, shift: Option<u64>) -> Found {
     let scene = etendue_f64::Scene::open(bytes.bytes()).unwrap();
     let mut scratch = etendue_f64::Scratch::<8>::new();
     let eye = DVec3::new(eye, 0.0, 0.0);
-    let double = double::radiance(&scene, &settings, eye, DVec3::X, 0, index, &mut scratch).g;
+    let double = scene
+        .radiance(&settings, eye, DVec3::X, 0, index, &mut scratch)
+        .g;
     Found {
         single: single.into(),
         double,

@@ -3,7 +3,7 @@
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::description::{Description, Geometry, Mesh};
 use etendue_host::render::{Bake, bake};
-use etendue_tests::render::{blob, single};
+use etendue_tests::render::blob;
 use etendue_tests::scenes::Builder;
 
 /// A floor of 2 × 2 under a lamp of 1 × 1 at height 1, its texture coordinates mirrored in u.
@@ -171,14 +171,16 @@ fn points_spots_and_suns_shine_on_irradiance_sensors() {
                 ..Settings::default()
             };
             let mut scratch = Scratch::<8>::new();
-            let e =
-                single::irradiance(&scene, &settings, Vec3::ZERO, Vec3::Z, 0, 0, &mut scratch).g;
+            let e = scene
+                .irradiance(&settings, Vec3::ZERO, Vec3::Z, 0, 0, &mut scratch)
+                .g;
             assert!(
                 (e / truth - 1.0).abs() < 1e-4,
                 "{kind:?} {estimator:?}: {e}, expected {truth}"
             );
-            let behind =
-                single::irradiance(&scene, &settings, Vec3::ZERO, -Vec3::Z, 0, 0, &mut scratch).g;
+            let behind = scene
+                .irradiance(&settings, Vec3::ZERO, -Vec3::Z, 0, 0, &mut scratch)
+                .g;
             assert_eq!(behind, 0.0, "{kind:?} {estimator:?}");
         }
     }

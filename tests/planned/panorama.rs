@@ -81,8 +81,7 @@ fn an_environment_is_seen_where_it_says() {
         let (column, row) = (u.floor(), v.floor());
         let at = |c: f64, r: f64| texel(r as u32 * width + c.rem_euclid(f64::from(width)) as u32);
         let mix = |x: f32, y: f32, t: f64| f64::from(x) * (1.0 - t) + f64::from(y) * t;
-        let seen = single::estimate(
-            &scene,
+        let seen = scene.estimate(
             &Settings::default(),
             [i, j],
             0,

@@ -5,7 +5,7 @@ use etendue::Estimator::{Quadrature, QuadratureAndPath};
 use etendue::estimate::Rule;
 use etendue::{Scene, Settings};
 use etendue_host::description::EmitterKind;
-use etendue_tests::render::{blob, double};
+use etendue_tests::render::blob;
 use etendue_tests::scenes::Builder;
 
 /// With random shifts nothing is biased.
@@ -110,8 +110,8 @@ fn the_error_of_gauss_shrinks_with_its_order() {
         };
         let mut scratch = etendue_f64::Scratch::<8>::new();
         let (up, at) = (glam::DVec3::Z, glam::DVec3::ZERO);
-        let e = double::irradiance(&scene, &settings, at, up, 0, 0, &mut scratch).g;
-        let again = double::irradiance(&scene, &settings, at, up, 5, 9, &mut scratch).g;
+        let e = scene.irradiance(&settings, at, up, 0, 0, &mut scratch).g;
+        let again = scene.irradiance(&settings, at, up, 5, 9, &mut scratch).g;
         assert_eq!(e, again, "nothing is random");
         let error = (e / truth - 1.0).abs();
         eprintln!("order {order}: {error:e}");

@@ -2,7 +2,7 @@
 
 use super::{assert_agree, estimates, media, path, scenes, tree};
 use etendue::{Estimator, Scene, Scratch, Settings};
-use etendue_tests::render::{blob, single};
+use etendue_tests::render::blob;
 
 /// A tree of n levels is path tracing to n + 1 edges.
 #[test]
@@ -58,22 +58,15 @@ fn a_small_scratch_bounds_the_depth() {
     let scene = Scene::open(bytes.bytes()).unwrap();
     let settings = tree([1, 1, 1, 1, 0, 0, 0, 0], 1);
     let mut scratch = Scratch::<2>::new();
-    single::estimate(&scene, &settings, [8, 8], 0, &mut scratch, &mut |_, _| ());
+    scene.estimate(&settings, [8, 8], 0, &mut scratch, &mut |_, _| ());
     assert_eq!(scratch.counters.full_walks, 1);
     let mut scratch = Scratch::<4>::new();
-    single::estimate(&scene, &settings, [8, 8], 0, &mut scratch, &mut |_, _| ());
+    scene.estimate(&settings, [8, 8], 0, &mut scratch, &mut |_, _| ());
     assert_eq!(scratch.counters.full_walks, 0);
     // More rays than there is time for end.
     let wild = Settings {
         estimator: Estimator::Distributed,
         ..tree([255; 8], 1)
     };
-    single::estimate(
-        &scene,
-        &wild,
-        [8, 8],
-        0,
-        &mut Scratch::<8>::new(),
-        &mut |_, _| (),
-    );
+    scene.estimate(&wild, [8, 8], 0, &mut Scratch::<8>::new(), &mut |_, _| ());
 }

@@ -46,66 +46,7 @@ macro_rules! renderer {
         $(#[$doc])*
         pub mod $name {
             use super::Estimate;
-            use $kernel::estimate::ScratchView;
-            use $kernel::real::Vec3;
-            use $kernel::sensor::Element;
-            use $kernel::{Rgb, Scene, Scratch, Settings};
-
-            /// One sample of anything: compiled once, here, for all tests.
-            fn one(
-                scene: &Scene<'_>,
-                settings: &Settings,
-                element: &Element,
-                id: u64,
-                index: u64,
-                mut scratch: ScratchView<'_>,
-                splat: &mut dyn FnMut([u32; 2], Rgb),
-            ) -> Rgb {
-                let sampler = &mut settings.numbers(id, index);
-                let mut splat = |pixel: [u32; 2], value: Rgb| splat(pixel, value);
-                scene.estimate_element(settings, element, sampler, &mut scratch, &mut splat)
-            }
-
-            /// [`Scene::estimate`].
-            pub fn estimate<const N: usize>(
-                scene: &Scene<'_>,
-                settings: &Settings,
-                pixel: [u32; 2],
-                index: u64,
-                scratch: &mut Scratch<N>,
-                splat: &mut dyn FnMut([u32; 2], Rgb),
-            ) -> Rgb {
-                let id = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
-                one(scene, settings, &Element::Pixel(pixel), id, index, scratch.view(scene), splat)
-            }
-
-            /// [`Scene::radiance`].
-            pub fn radiance<const N: usize>(
-                scene: &Scene<'_>,
-                settings: &Settings,
-                origin: Vec3,
-                direction: Vec3,
-                id: u64,
-                index: u64,
-                scratch: &mut Scratch<N>,
-            ) -> Rgb {
-                let ray = Element::ray(origin, direction);
-                one(scene, settings, &ray, id, index, scratch.view(scene), &mut |_, _| ())
-            }
-
-            /// [`Scene::irradiance`].
-            pub fn irradiance<const N: usize>(
-                scene: &Scene<'_>,
-                settings: &Settings,
-                position: Vec3,
-                normal: Vec3,
-                id: u64,
-                index: u64,
-                scratch: &mut Scratch<N>,
-            ) -> Rgb {
-                let point = Element::irradiance(scene, position, normal);
-                one(scene, settings, &point, id, index, scratch.view(scene), &mut |_, _| ())
-            }
+            use $kernel::{Scene, Scratch, Settings};
 
             /// Renders `passes` samples per pixel in each of `batches` independent batches, and returns the
             /// estimate of the mean of each block (`blocks` by `blocks` over the image; red, green, blue in turn).
@@ -124,7 +65,7 @@ macro_rules! renderer {
                                         sums[block(p) + i][b] += f64::from(c);
                                     }
                                 };
-                                let own = estimate(scene, settings, [x, y], batch * passes + pass, &mut scratch, &mut add);
+                                let own = scene.estimate(settings, [x, y], batch * passes + pass, &mut scratch, &mut add);
                                 add([x, y], own);
                             }
                         }

@@ -1,7 +1,7 @@
 //! Renders each variant on a ladder of budgets, with several seeds, and takes the distance to a reference.
 
 use crate::develop::{Linear, distance};
-use crate::render::{self, Budget, CAPACITY, Device, Options, render, render_double};
+use crate::render::{Budget, CAPACITY, Device, Options, render, render_double};
 use crate::scene::Prepared;
 use crate::statistics::{Costs, Estimate, Interval, tail_index};
 use etendue::random::{Pcg, Purpose, Sampler};
@@ -291,7 +291,7 @@ fn tail(subject: &Subject, seconds: f64, stop: &AtomicBool) -> Result<Option<Tai
             let mut sum = 0.0;
             let splat = &mut |_: [u32; 2], value| sum += grey(value);
             let settings = &subject.settings;
-            let own = render::sample(&scene, settings, pixel, index, &mut scratch, splat);
+            let own = scene.estimate(settings, pixel, index, &mut scratch, splat);
             sum + grey(own)
         })
         .collect();

@@ -28,7 +28,7 @@ pub use pilot::{Found, pilot};
 use crate::memory::attempt;
 use crew::each_once;
 use etendue::film::{Refused, Step, Sum, merge};
-use etendue::{Counters, Estimator, Rgb, Scene, Scratch, Settings};
+use etendue::{Counters, Estimator, Scene, Scratch, Settings};
 use rates::Rates;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -400,21 +400,6 @@ impl Job<'_> {
     }
 }
 
-/// [`Scene::estimate`], compiled once for all who take samples one by one.
-#[inline(never)]
-pub fn sample(
-    scene: &Scene<'_>,
-    settings: &Settings,
-    pixel: [u32; 2],
-    index: u64,
-    scratch: &mut Scratch<CAPACITY>,
-    splat: &mut dyn FnMut([u32; 2], Rgb),
-) -> Rgb {
-    scene.estimate(settings, pixel, index, scratch, &mut |pixel, value| {
-        splat(pixel, value);
-    })
-}
-
 impl Worker {
     fn new(job: &Job<'_>) -> Result<Self, RenderError> {
         let splats = if job.settings.estimator.splats() {
@@ -452,7 +437,9 @@ impl Worker {
                         step.add(sum, value, refused);
                     }
                 };
-                let value = sample(job.scene, &job.settings, pixel, index, scratch, splat);
+                let value = job
+                    .scene
+                    .estimate(&job.settings, pixel, index, scratch, splat);
                 step.add(sum, value, refused);
             }
         }

@@ -10,7 +10,7 @@
 //! The second part is what splats add: those that a pixel receives come from as many light walks as the image has pixels, each of which seldom hits it, and the
 //! variance of such a sum is that of a compound Poisson variable. One pass has a walk for each pixel, so that the mean over pixels is that over walks. Efficiency is 1/(MSE × cost). Pilot samples have numbers of their own and don't enter the image.
 
-use super::{CAPACITY, sample};
+use super::CAPACITY;
 use crate::reach::unreachable;
 use etendue::random::{Pcg, Purpose, Sampler, Sequence};
 use etendue::{Estimator, Rgb, Scene, Scratch, Settings};
@@ -101,7 +101,7 @@ fn found(scene: &Scene<'_>, settings: &Settings) -> Found {
         let mut one = |index| {
             // What lands in one pixel together counts together, but seldom does.
             let splat = &mut |_: [u32; 2], v: Rgb| splats += 0.5 * square(v);
-            sample(scene, settings, pixel, FIRST + index, &mut scratch, splat)
+            scene.estimate(settings, pixel, FIRST + index, &mut scratch, splat)
         };
         let (a, b) = (one(2 * i), one(2 * i + 1));
         let (a, b) = (a.to_array(), b.to_array());

@@ -2,7 +2,7 @@
 
 use super::RenderError;
 use super::crew::{Run, each_once};
-use super::{CAPACITY, lock, sample};
+use super::{CAPACITY, lock};
 use etendue::random::Sequence;
 use etendue::{Counters, Scene, Scratch, Settings};
 use std::sync::Mutex;
@@ -107,7 +107,7 @@ fn worth(
         for x in left..width.min(left + SIDE) {
             let (mut sum, mut squares) = ([0.0; 3], 0.0);
             for index in FIRST..FIRST + SAMPLES {
-                let value = sample(scene, settings, [x, y], index, scratch, &mut |_, _| ());
+                let value = scene.estimate(settings, [x, y], index, scratch, &mut |_, _| ());
                 for (sum, v) in sum.iter_mut().zip(value.to_array().map(f64::from)) {
                     *sum += v;
                     squares += v * v;

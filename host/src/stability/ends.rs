@@ -6,7 +6,7 @@ macro_rules! ends {
             use $kernel::random::{Purpose, Sampler, Subpath};
             use $kernel::real::{ONE_MINUS, Real};
             use $kernel::sensor::Element;
-            use $kernel::{Rgb, Scene, Scratch, Settings};
+            use $kernel::{Rgb, Scene, Scratch, Settings, estimate_with};
 
             /// The same numbers over and over.
             struct Fixed {
@@ -34,7 +34,9 @@ macro_rules! ends {
                         };
                         let sampler = &mut Fixed { numbers, drawn: 0 };
                         let element = Element::Pixel(pixel);
-                        let own = scene.estimate_element(
+                        let own = estimate_with(
+                            scene,
+                            &scene.tree(),
                             settings,
                             &element,
                             sampler,

@@ -14,9 +14,7 @@ use super::status::{
     status_of,
 };
 use crate::blob::Scene;
-#[cfg(feature = "capi")]
-use crate::estimate::estimate_with;
-use crate::estimate::{ScratchView, Settings, pixel_id};
+use crate::estimate::{ScratchView, Settings, estimate_with, pixel_id};
 use crate::film::{Refused, Step};
 use crate::sensor::Element;
 use crate::spectrum::Rgb;
@@ -95,30 +93,24 @@ impl Call<'_> {
     /// One sample, by the scene's own tracer or the caller's.
     #[inline(never)]
     fn sample(&mut self, element: &Element, id: u64, index: u64, sink: &mut Sink<'_>) -> Rgb {
+        let Self {
+            scene,
+            settings,
+            scratch,
+            ..
+        } = self;
+        let splat = &mut |pixel, value| sink.take(pixel, value);
         #[cfg(feature = "capi")]
-        let mut numbers = Numbers::new(&self.hooks, &self.settings, id, index);
+        let numbers = &mut Numbers::new(&self.hooks, settings, id, index);
         #[cfg(not(feature = "capi"))]
-        let mut numbers = self.settings.numbers(id, index);
-        let mut splat = |pixel, value| sink.take(pixel, value);
+        let numbers = &mut settings.numbers(id, index);
         #[cfg(feature = "capi")]
         if self.hooks.closest.is_some() {
-            return estimate_with(
-                self.scene,
-                &Foreign(&self.hooks),
-                &self.settings,
-                element,
-                &mut numbers,
-                &mut self.scratch,
-                &mut splat,
-            );
+            let own = &Foreign(&self.hooks);
+            return estimate_with(scene, own, settings, element, numbers, scratch, splat);
         }
-        self.scene.estimate_element(
-            &self.settings,
-            element,
-            &mut numbers,
-            &mut self.scratch,
-            &mut splat,
-        )
+        let tree = &scene.tree();
+        estimate_with(scene, tree, settings, element, numbers, scratch, splat)
     }
 
     /// The mean of samples `first` … `first + samples` of one element.

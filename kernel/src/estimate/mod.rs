@@ -195,16 +195,11 @@ impl Scene<'_> {
         pixel: [u32; 2],
         index: u64,
         scratch: &mut Scratch<N>,
-        splat: &mut impl FnMut([u32; 2], Rgb),
+        splat: &mut dyn FnMut([u32; 2], Rgb),
     ) -> Rgb {
-        let sampler = &mut settings.numbers(pixel_id(pixel), index);
-        self.estimate_element(
-            settings,
-            &Element::Pixel(pixel),
-            sampler,
-            &mut scratch.view(self),
-            splat,
-        )
+        let numbers = &mut settings.numbers(pixel_id(pixel), index);
+        let element = &Element::Pixel(pixel);
+        self.estimate_element(settings, element, numbers, &mut scratch.view(self), splat)
     }
 
     /// One sample of the radiance that arrives at `origin` from `direction` (unit). `id` and `index`
@@ -219,14 +214,10 @@ impl Scene<'_> {
         index: u64,
         scratch: &mut Scratch<N>,
     ) -> Rgb {
-        let sampler = &mut settings.numbers(id, index);
-        self.estimate_element(
-            settings,
-            &Element::ray(origin, direction),
-            sampler,
-            &mut scratch.view(self),
-            &mut |_, _| (),
-        )
+        let numbers = &mut settings.numbers(id, index);
+        let element = &Element::ray(origin, direction);
+        let scratch = &mut scratch.view(self);
+        self.estimate_element(settings, element, numbers, scratch, &mut |_, _| ())
     }
 
     /// One sample of the irradiance at `position` on the side of `normal` (unit): a texel of a light
@@ -240,36 +231,25 @@ impl Scene<'_> {
         index: u64,
         scratch: &mut Scratch<N>,
     ) -> Rgb {
-        let element = Element::irradiance(self, position, normal);
-        let sampler = &mut settings.numbers(id, index);
-        self.estimate_element(
-            settings,
-            &element,
-            sampler,
-            &mut scratch.view(self),
-            &mut |_, _| (),
-        )
+        let numbers = &mut settings.numbers(id, index);
+        let element = &Element::irradiance(self, position, normal);
+        let scratch = &mut scratch.view(self);
+        self.estimate_element(settings, element, numbers, scratch, &mut |_, _| ())
     }
 
-    /// One sample of any element, with random numbers from `sampler`: what the others call.
-    #[inline]
-    pub fn estimate_element<P: Sampler>(
+    /// One sample of any element, by [`Settings::numbers`]: what the others call. Nothing in it is generic, so that the estimators are compiled with the
+    /// kernel, and not again by each crate that asks.
+    #[inline(never)]
+    pub fn estimate_element(
         &self,
         settings: &Settings,
         element: &Element,
-        sampler: &mut P,
+        numbers: &mut Numbers,
         scratch: &mut ScratchView<'_>,
-        splat: &mut impl FnMut([u32; 2], Rgb),
+        splat: &mut dyn FnMut([u32; 2], Rgb),
     ) -> Rgb {
-        estimate_with(
-            self,
-            &self.tree(),
-            settings,
-            element,
-            sampler,
-            scratch,
-            splat,
-        )
+        let tree = &self.tree();
+        estimate_with(self, tree, settings, element, numbers, scratch, splat)
     }
 }
 
@@ -282,7 +262,7 @@ pub fn estimate_with<T: Tracer, P: Sampler>(
     element: &Element,
     sampler: &mut P,
     scratch: &mut ScratchView<'_>,
-    splat: &mut impl FnMut([u32; 2], Rgb),
+    splat: &mut (impl FnMut([u32; 2], Rgb) + ?Sized),
 ) -> Rgb {
     dispatch(
         scene,
@@ -334,7 +314,7 @@ fn dispatch<E: Errand>(scene: &Scene<'_>, scratch: &mut ScratchView<'_>, errand:
 }
 
 /// One sample of an element.
-struct Sample<'w, 's, 'a, T, P, F> {
+struct Sample<'w, 's, 'a, T, P, F: ?Sized> {
     scene: &'s Scene<'a>,
     tracer: &'w T,
     settings: &'w Settings,
@@ -354,7 +334,12 @@ fn channels<K: Instance, P: Sampler>(sampler: &mut P) -> (<K::S as Spectrum>::Wa
     K::S::draw(xi)
 }
 
-impl<T: Tracer, P: Sampler, F: FnMut([u32; 2], Rgb)> Errand for Sample<'_, '_, '_, T, P, F> {
+impl<T, P, F> Errand for Sample<'_, '_, '_, T, P, F>
+where
+    T: Tracer,
+    P: Sampler,
+    F: FnMut([u32; 2], Rgb) + ?Sized,
+{
     type Result = Rgb;
 
     // Not inlined: the stack of one instance isn't that of all.

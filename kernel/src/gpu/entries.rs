@@ -4,9 +4,10 @@
 #![allow(unsafe_code)] // device memory that the host owns, special registers
 
 use super::sums::contribute;
-use crate::estimate::{Rule, Tree};
+use crate::estimate::{Rule, Tree, estimate_with, pixel_id};
 use crate::film::{Refused, Step};
 use crate::random::Sequence;
+use crate::sensor::Element;
 use crate::{Estimator, Heuristic, Scene, Scratch, Settings};
 use core::arch::nvptx::{_block_dim_x, _block_idx_x, _thread_idx_x};
 use core::sync::atomic::{AtomicU64, Ordering};
@@ -148,17 +149,14 @@ pub unsafe extern "ptx-kernel" fn etd_render(
     let row = pixel.checked_div(u64::from(width)).unwrap_or(0);
     let place = [(pixel - row * u64::from(width)) as u32, row as u32];
     for i in 0..u64::from(job.samples) {
-        let mut splat = |[x, y]: [u32; 2], value| {
+        let splat = &mut |[x, y]: [u32; 2], value| {
             let at = u64::from(y) * u64::from(width) + u64::from(x);
             contribute(step, splats, at, value, &mut splatted);
         };
-        let own = scene.estimate(
-            &settings,
-            place,
-            job.first_sample + i,
-            &mut scratch,
-            &mut splat,
-        );
+        let numbers = &mut settings.numbers(pixel_id(place), job.first_sample + i);
+        let (tree, element) = (&scene.tree(), &Element::Pixel(place));
+        let scratch = &mut scratch.view(scene);
+        let own = estimate_with(scene, tree, &settings, element, numbers, scratch, splat);
         contribute(step, samples, pixel, own, &mut refused);
     }
     refused += splatted;

@@ -4,7 +4,7 @@ use super::{Ask, as_large_as, ask, ask_by, batches, check, lamp, polygon};
 use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::{Geometry, Mesh};
-use etendue_tests::render::{blob, single};
+use etendue_tests::render::blob;
 use etendue_tests::scenes::{Builder, V};
 
 /// Closed rooms, as the oracles name them, each with a ray that starts inside.
@@ -143,16 +143,9 @@ fn form_factors() {
             let [x, y] = place(spread).map(|x| x as f32);
             let p = [x, y, 0.0];
             f64::from(
-                single::irradiance(
-                    &scene,
-                    &settings,
-                    p.into(),
-                    glam::Vec3::Z,
-                    b,
-                    i,
-                    &mut scratch,
-                )
-                .g,
+                scene
+                    .irradiance(&settings, p.into(), glam::Vec3::Z, b, i, &mut scratch)
+                    .g,
             ) / std::f64::consts::PI
         });
         check(id, "by bidirectional", e, 0.02);
@@ -302,7 +295,9 @@ fn radiosity() {
                 let towards = glam::Vec3::Z * z;
                 let settings = Settings::default();
                 f64::from(
-                    single::radiance(&scene, &settings, origin, towards, b, i, &mut scratch).g,
+                    scene
+                        .radiance(&settings, origin, towards, b, i, &mut scratch)
+                        .g,
                 )
             });
             check(&format!("squares_d{tag}_{square}_mean"), "by path", e, 0.01);

@@ -92,16 +92,9 @@ fn irradiance_under_rectangles_discs_and_spheres() {
             );
             let e = batches(n, |b, i| {
                 f64::from(
-                    single::radiance(
-                        &scene,
-                        &settings,
-                        origin,
-                        -glam::Vec3::Z,
-                        b,
-                        i,
-                        &mut scratch,
-                    )
-                    .g,
+                    scene
+                        .radiance(&settings, origin, -glam::Vec3::Z, b, i, &mut scratch)
+                        .g,
                 ) * std::f64::consts::PI
             });
             check(id, &format!("{estimator:?} from a floor"), e, 0.01);
@@ -416,8 +409,7 @@ fn scale_and_place_do_not_matter() {
                     ..Settings::default()
                 };
                 let e = batches(1000, |b, i| {
-                    let v = single::radiance(
-                        &scene,
+                    let v = scene.radiance(
                         &settings,
                         at([0.3, 0.4, 0.5]).into(),
                         -glam::Vec3::Z,

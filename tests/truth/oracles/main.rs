@@ -13,7 +13,7 @@ mod mirrors;
 use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::{ColorSource, EmitterKind, Mesh, Model};
-use etendue_tests::render::{Estimate, blob, double, single};
+use etendue_tests::render::{Estimate, blob};
 use etendue_tests::scenes::{Builder, V};
 use etendue_tests::{noise, samples};
 use std::sync::LazyLock;
@@ -97,24 +97,12 @@ fn single_by(scene: &Scene<'_>, settings: &Settings, ask: Ask, n: u64) -> Estima
     let mut scratch = Scratch::<32>::new();
     batches(n, |b, i| {
         match ask {
-            Ask::Ray(o, d) => single::radiance(
-                scene,
-                settings,
-                o.into(),
-                unit(d).as_vec3(),
-                b,
-                i,
-                &mut scratch,
-            ),
-            Ask::Irradiance(p, m) => single::irradiance(
-                scene,
-                settings,
-                p.into(),
-                unit(m).as_vec3(),
-                b,
-                i,
-                &mut scratch,
-            ),
+            Ask::Ray(o, d) => {
+                scene.radiance(settings, o.into(), unit(d).as_vec3(), b, i, &mut scratch)
+            }
+            Ask::Irradiance(p, m) => {
+                scene.irradiance(settings, p.into(), unit(m).as_vec3(), b, i, &mut scratch)
+            }
         }
         .g
         .into()
@@ -154,8 +142,8 @@ fn ask_by(
         let mut scratch = etendue_f64::Scratch::<32>::new();
         let wide_v = |v: V| glam::DVec3::from(v.map(f64::from));
         let e = batches(n, |b, i| match ask {
-            Ask::Ray(o, d) => double::radiance(&wide, &settings, wide_v(o), unit(d), b, i, &mut scratch),
-            Ask::Irradiance(p, m) => double::irradiance(&wide, &settings, wide_v(p), unit(m), b, i, &mut scratch),
+            Ask::Ray(o, d) => wide.radiance(&settings, wide_v(o), unit(d), b, i, &mut scratch),
+            Ask::Irradiance(p, m) => wide.irradiance(&settings, wide_v(p), unit(m), b, i, &mut scratch),
         }.g);
         check(id, &format!("{estimator:?} double"), e, precision);
     }
