@@ -11,6 +11,7 @@ use super::format::{
 };
 use super::possible::Possible;
 use crate::real::{Vec3, vec3};
+use crate::sensor::Filter;
 use crate::shape::{Instructions, IsaKind};
 use crate::surface::TextureView;
 
@@ -38,6 +39,7 @@ pub struct Scene<'a> {
     pub(super) grids: &'a [Grid],
     pub(super) isa: Instructions,
     pub(super) possible: Possible,
+    pub(super) filter: Filter,
 }
 
 impl<'a> Scene<'a> {
@@ -107,6 +109,12 @@ impl<'a> Scene<'a> {
     #[inline(always)]
     pub fn sensor(&self) -> &'a Sensor {
         self.sensor
+    }
+
+    /// The camera's pixel filter.
+    #[inline(always)]
+    pub fn filter(&self) -> &Filter {
+        &self.filter
     }
 
     /// Its objects.

@@ -212,7 +212,7 @@ pub(super) fn spread<S: Spectrum>(
     match element {
         Element::Pixel(_) => {
             let value = value * (1.0 / element.light_paths(scene));
-            each_pixel(scene.sensor(), raster, |pixel, filter| {
+            each_pixel(scene, raster, |pixel, filter| {
                 splat(pixel, value * filter);
             });
         }

@@ -20,7 +20,6 @@ use crate::blob::Scene;
 use crate::random::{CHOICES, Mutation, Pcg, Purpose, Recorded, Sampler as _, Tape, TapeView};
 use crate::real::{Real, exp, log, safe_sqrt};
 use crate::sensor::{Element, each_pixel};
-use crate::shape::Tracer;
 use crate::spectrum::{Rgb, Spectrum};
 
 /// How chains move.
@@ -92,7 +91,7 @@ impl State {
 
     /// Hands `share`/f* of the contribution to its pixels.
     #[inline(always)]
-    fn splat(&self, scene: &Scene<'_>, share: Real, splat: &mut impl FnMut([u32; 2], Rgb)) {
+    fn splat(&self, scene: &Scene<'_>, share: Real, splat: &mut dyn FnMut([u32; 2], Rgb)) {
         // 0/0, and what is so small that 1/f* isn't a number any more.
         let factor = share / self.importance;
         if !(share > 0.0 && factor.is_finite()) {
@@ -110,13 +109,13 @@ fn spread(
     raster: Option<[Real; 2]>,
     pixel: [u32; 2],
     value: Rgb,
-    splat: &mut impl FnMut([u32; 2], Rgb),
+    splat: &mut dyn FnMut([u32; 2], Rgb),
 ) {
     match raster {
         None => splat(pixel, value),
         Some(raster) => {
             let value = value * (1.0 / Element::Pixel(pixel).light_paths(scene));
-            each_pixel(scene.sensor(), raster, |pixel, filter| {
+            each_pixel(scene, raster, |pixel, filter| {
                 splat(pixel, value * filter);
             });
         }
@@ -208,9 +207,8 @@ const BOOTSTRAP: u64 = 0x626f_6f74_0000_0000;
 const CHAIN: u64 = 0x6368_6169_0000_0000;
 
 /// The path of `edges` edges that `numbers` make, by the strategy that they choose.
-fn evaluate<T: Tracer>(
+fn evaluate(
     scene: &Scene<'_>,
-    tracer: &T,
     settings: &Settings,
     edges: u32,
     numbers: &mut Recorded<'_>,
@@ -230,7 +228,13 @@ fn evaluate<T: Tracer>(
     };
     let element = Element::Pixel(pixel);
     let mut contribution = strategy_with(
-        scene, tracer, settings, &element, strategy, numbers, scratch,
+        scene,
+        &scene.tree(),
+        settings,
+        &element,
+        strategy,
+        numbers,
+        scratch,
     );
     // 1/P(s, t).
     contribution.value *= (most + 1) as Real;
@@ -258,9 +262,8 @@ fn within(x: Real, n: u32) -> (u32, Real) {
 }
 
 /// A path drawn anew: its numbers go to `to`.
-fn draw<T: Tracer>(
+fn draw(
     scene: &Scene<'_>,
-    tracer: &T,
     settings: &Settings,
     lengths: &Lengths,
     index: u64,
@@ -273,7 +276,7 @@ fn draw<T: Tracer>(
         return (edges, State::NONE);
     }
     let mut numbers = Recorded::new(from, to, Mutation::Large, random);
-    let state = evaluate(scene, tracer, settings, edges, &mut numbers, scratch);
+    let state = evaluate(scene, settings, edges, &mut numbers, scratch);
     (edges, state)
 }
 
@@ -289,8 +292,7 @@ impl Scene<'_> {
     ) -> (u32, Real) {
         let (mut from, mut to) = (Tape::<0>::new(), Tape::<0>::new());
         let tapes = [from.view(), to.view()];
-        let tracer = &self.tree();
-        let (edges, state) = draw(self, tracer, settings, lengths, index, tapes, scratch);
+        let (edges, state) = draw(self, settings, lengths, index, tapes, scratch);
         (edges, state.importance)
     }
 }
@@ -340,8 +342,7 @@ impl<const N: usize> Chain<N> {
     ) {
         let [from, to] = &mut self.tapes;
         let tapes = [from.view(), to.view()];
-        let tracer = &scene.tree();
-        let (edges, state) = draw(scene, tracer, settings, lengths, index, tapes, scratch);
+        let (edges, state) = draw(scene, settings, lengths, index, tapes, scratch);
         (self.here, self.state, self.edges) = (1, state, edges);
         (self.id, self.steps, self.small) = (id, 0, [0.0; 2]);
     }
@@ -359,9 +360,8 @@ impl<const N: usize> Chain<N> {
         scale: Real,
         steps: u64,
         scratch: &mut ScratchView<'_>,
-        splat: &mut impl FnMut([u32; 2], Rgb),
+        splat: &mut dyn FnMut([u32; 2], Rgb),
     ) {
-        let tracer = &scene.tree();
         // The chances of having been here since the last splat.
         let mut stayed = 0.0;
         for _ in 0..steps {
@@ -376,7 +376,7 @@ impl<const N: usize> Chain<N> {
             let [a, b] = &mut self.tapes;
             let (before, after) = if self.here == 0 { (a, b) } else { (b, a) };
             let mut numbers = Recorded::new(before.view(), after.view(), mutation, random);
-            let proposed = evaluate(scene, tracer, settings, self.edges, &mut numbers, scratch);
+            let proposed = evaluate(scene, settings, self.edges, &mut numbers, scratch);
             // Steps are symmetric: a = min(1, f*(y)/f*(x)) (Kelemen et al. 2002, eq. 5).
             let chance = if proposed.importance < self.state.importance {
                 proposed.importance / self.state.importance

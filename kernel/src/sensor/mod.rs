@@ -11,7 +11,7 @@ mod panorama;
 mod perspective;
 mod probe;
 
-pub use filter::each_pixel;
+pub use filter::{Filter, each_pixel};
 
 use crate::blob::Scene;
 use crate::blob::format::sensor as kind;
@@ -97,7 +97,7 @@ impl Element {
         match *self {
             Element::Pixel(pixel) => {
                 let sensor = scene.sensor();
-                let raster = filter::sample(sensor, pixel, sampler.two(Purpose::Filter));
+                let raster = filter::sample(scene, pixel, sampler.two(Purpose::Filter));
                 match sensor.kind {
                     kind::PERSPECTIVE => {
                         perspective::start(sensor, raster, sampler.two(Purpose::Lens))

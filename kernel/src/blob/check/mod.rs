@@ -20,6 +20,7 @@ use super::error::BlobError;
 use super::format::section;
 use super::rule::Rule;
 use super::scene::Scene;
+use crate::sensor::Filter;
 use crate::shape::{Instructions, IsaKind};
 use contents::Contents;
 use rules::{at, each, ensure};
@@ -51,6 +52,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
         grids: contents.section(section::GRIDS)?,
         isa: Instructions::select(IsaKind::best()),
         possible: Possible::default(),
+        filter: Filter::PIXEL,
     };
     let s = &scene;
     geometry::world(s).map_err(at(section::WORLD))?;
@@ -93,6 +95,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
     each(section::CELLS, s.cells, |_, c| light::cell(c))?;
     Ok(Scene {
         possible: Possible::of(s),
+        filter: Filter::of(s.sensor),
         ..scene
     })
 }
