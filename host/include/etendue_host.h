@@ -176,7 +176,7 @@
 // Grids are tracked by Woodcock's method, transmittance by ratio tracking.
 #define ETD_TRACK_WOODCOCK 0
 
-// Transmittance by residual ratio tracking; `extinction` has one channel.
+// Transmittance by residual ratio tracking; `extinction` has one channel, and those of `sigma_t` are the same.
 #define ETD_TRACK_RESIDUAL 1
 
 // Cell by cell, exactly.

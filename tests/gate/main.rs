@@ -56,7 +56,9 @@ fn every_rule_has_a_blob_that_breaks_it() {
             index,
         };
         assert_eq!(error, Some(expected));
-        assert!(!rule.text().is_empty());
+        let said = expected.to_string();
+        let words = !rule.text().is_empty() && !said.contains("unknown");
+        assert!(words, "{said}");
         broken.insert(rule as u8);
     }
     // Its own test below.

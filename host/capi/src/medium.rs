@@ -18,7 +18,7 @@ pub const ETD_PHASE_FORWARD: u32 = 3;
 
 /// Grids are tracked by Woodcock's method, transmittance by ratio tracking.
 pub const ETD_TRACK_WOODCOCK: u32 = 0;
-/// Transmittance by residual ratio tracking; `extinction` has one channel.
+/// Transmittance by residual ratio tracking; `extinction` has one channel, and those of `sigma_t` are the same.
 pub const ETD_TRACK_RESIDUAL: u32 = 1;
 /// Cell by cell, exactly.
 pub const ETD_TRACK_REGULAR: u32 = 2;

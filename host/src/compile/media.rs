@@ -122,8 +122,13 @@ impl Media {
             Tracking::Residual => medium::RESIDUAL,
             Tracking::Regular => medium::REGULAR,
         };
-        if grids.tracking == Tracking::Residual && grids.extinction.values.flat().1 != 1 {
-            return Err("residual tracking asks for extinction of one channel".into());
+        let [red, green, blue] = m.sigma_t;
+        let one = grids.extinction.values.flat().1 == 1 && red == green && green == blue;
+        if grids.tracking == Tracking::Residual && !one {
+            return Err(
+                "residual tracking asks for extinction of one channel, the same in all of sigma_t"
+                    .into(),
+            );
         }
         record.to_grid = grids.to_grid;
         if !invertible(&grids.to_grid) {

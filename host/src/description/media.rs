@@ -88,7 +88,7 @@ pub enum Tracking {
     /// Woodcock's free flight, transmittance by ratio tracking.
     #[default]
     Woodcock,
-    /// Woodcock's free flight, transmittance by residual ratio tracking. Asks for extinction of one channel.
+    /// Woodcock's free flight, transmittance by residual ratio tracking. Asks for extinction of one channel, the same in all of `sigma_t`.
     Residual,
     /// Cell by cell, exactly.
     Regular,

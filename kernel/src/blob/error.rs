@@ -15,7 +15,7 @@ pub struct BlobError {
 
 impl core::fmt::Display for BlobError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        const NAMES: [&str; 16] = [
+        const NAMES: [&str; 18] = [
             "header",
             "world",
             "sensor",
@@ -32,6 +32,8 @@ impl core::fmt::Display for BlobError {
             "emitters",
             "choices",
             "cells",
+            "media",
+            "grids",
         ];
         let name = NAMES
             .get(self.section as usize)

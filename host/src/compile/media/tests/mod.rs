@@ -356,6 +356,16 @@ fn numbers_out_of_range_are_refused() {
         let found = refusal(with(g));
         assert!(found.contains(expected), "{found}, expected {expected}");
     }
+    // A grey grid times what isn't grey.
+    let found = refusal(Medium {
+        sigma_t: [1.0, 2.0, 1.0],
+        grids: Some(Grids {
+            tracking: Tracking::Residual,
+            ..grids(gray([1, 1, 1], |_| 1.0))
+        }),
+        ..flame()
+    });
+    assert!(found.contains("the same in all of sigma_t"), "{found}");
 }
 
 #[test]
