@@ -130,7 +130,9 @@ p{margin:.3rem 0}.small{font-size:.87rem;opacity:.8}
 .wide{overflow-x:auto}
 table{border-collapse:collapse;width:100%;font-size:.87rem;margin:.5rem 0}
 th,td{text-align:right;padding:.25rem .5rem;border-bottom:1px solid #8884;vertical-align:top;white-space:nowrap}
-th{font-weight:600}td.text,th.text{text-align:left}td.why{white-space:normal;text-align:left;min-width:16rem}
+th{font-weight:600}td.text,th.text{text-align:left}
+tr.numbers td{border-bottom:0;padding-bottom:0}td.why{white-space:normal;text-align:left;padding-top:0;opacity:.85}
+td.why div{position:sticky;left:.5rem;max-width:min(60rem,calc(100vw - 3rem))}
 .right{color:#15803d}.misses,.heavy,.refused,.biased{color:#b45309}
 .differs{background:#dc26262e}.differs td.outcome{color:#dc2626;font-weight:600}
 .warning{border-left:3px solid #b45309;padding-left:.6rem}
@@ -167,7 +169,7 @@ pub fn html(ready: &[Ready], rows: &[Row]) -> String {
                 escape(w)
             );
         }
-        out.push_str("<div class=\"wide\"><table><tr><th class=\"text\">estimator</th><th class=\"text\">expected</th><th class=\"text\">found</th><th>mean</th><th>z</th><th>α</th><th>max/mean</th><th>f32/f64−1</th><th class=\"text\">why</th></tr>\n");
+        out.push_str("<div class=\"wide\"><table><tr><th class=\"text\">estimator</th><th class=\"text\">expected</th><th class=\"text\">found</th><th>mean</th><th>z</th><th>α</th><th>max/mean</th><th>f32/f64−1</th></tr>\n");
         for row in mine {
             html_row(&mut out, row);
         }
@@ -200,10 +202,11 @@ fn html_row(out: &mut String, row: &Row) {
     } else {
         format!("{} ± {}", number(m.mean[c].mean), number(m.mean[c].error))
     };
+    // Words stand below the numbers, where a narrow window shows them too.
+    let differs = if row.is_met() { "" } else { "differs" };
     let _ = writeln!(
         out,
-        "<tr class=\"{}\"><td class=\"text\">{}</td><td class=\"text {class}\">{}</td><td class=\"text outcome\">{}</td><td>{mean}</td><td>{}</td><td>{}</td><td>{:.1e}</td><td>{:.1e}</td><td class=\"why\">{}</td></tr>",
-        if row.is_met() { "" } else { "differs" },
+        "<tr class=\"numbers {differs}\"><td class=\"text\">{}</td><td class=\"text {class}\">{}</td><td class=\"text outcome\">{}</td><td>{mean}</td><td>{}</td><td>{}</td><td>{:.1e}</td><td>{:.1e}</td></tr>\n<tr class=\"{differs}\"><td class=\"why\" colspan=\"8\"><div>{}</div></td></tr>",
         row.method().name(),
         row.expected.what,
         row.outcome,

@@ -71,9 +71,11 @@ pub fn build(case: &Case) -> Result<(AlignedBlob, Vec<String>), String> {
         Some(other) => return Err(format!("nothing is called {other:?}")),
     }
     let compiled = compile(&description).map_err(|e| e.in_file(&path).to_string())?;
-    let mut warnings = loaded.warnings;
-    warnings.extend(compiled.warnings);
-    Ok((compiled.blob, warnings))
+    // The folder is nobody's business, and gone by the time that it is read.
+    let folder = format!("{}{}", folder.path().display(), std::path::MAIN_SEPARATOR);
+    let warnings = loaded.warnings.into_iter().chain(compiled.warnings);
+    let warnings = warnings.map(|w| w.replace(&folder, ""));
+    Ok((compiled.blob, warnings.collect()))
 }
 
 /// The edges that paths of a case's scene may have.

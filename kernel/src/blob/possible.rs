@@ -26,4 +26,10 @@ impl Possible {
                 || scene.shapes.iter().any(|s| s.emitter != NONE),
         }
     }
+
+    /// Whether a walk of so many edges ends here: it may have `limit`, and the last has nothing to find but light.
+    #[inline(always)]
+    pub fn ends(self, edges: u32, limit: u32) -> bool {
+        edges + 1 >= limit && !self.meets
+    }
 }

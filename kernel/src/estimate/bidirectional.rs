@@ -270,9 +270,8 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
                 }
             }
         }
-        // The last ray has nothing to find but light.
-        let in_vain = walk.edges + 1 >= limit && !trace.scene.possible().meets;
-        if in_vain || !wanted.has_more(Subpath::Sensor, t) {
+        let ends = trace.scene.possible().ends(walk.edges, limit);
+        if ends || !wanted.has_more(Subpath::Sensor, t) {
             return;
         }
         let Some(step) = walk.leave(trace, &vertex, sampler) else {

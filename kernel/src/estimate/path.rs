@@ -175,8 +175,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
                 }
             }
         }
-        // The last ray has nothing to find but light.
-        if walk.edges + 1 >= limit && !scene.possible().meets {
+        if scene.possible().ends(walk.edges, limit) {
             break;
         }
         let Some(step) = walk.leave(trace, &vertex, sampler) else {
