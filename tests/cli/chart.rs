@@ -68,7 +68,6 @@ fn refused(at: &Path, code: i32, extra: &[&str], parts: &[&str]) {
 #[test]
 fn a_chart_is_one_file_with_all_numbers_beside_it() {
     let (_keep, at) = folder();
-    std::fs::create_dir(at.join("plots")).unwrap();
     let (report, numbers) = chart(
         &at,
         &["--estimators", "path,bidirectional", "--plots", "plots"],

@@ -1,7 +1,7 @@
 //! Speed against accuracy: variants of a render, measured on a ladder of budgets against a reference, and what is drawn of it.
 
 mod measure;
-mod plot;
+pub mod plot;
 mod reference;
 mod report;
 

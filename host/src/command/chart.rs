@@ -55,7 +55,7 @@ pub struct Chart {
     /// All numbers as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Folder to which each plot is written too, as SVG and PNG
+    /// Folder to which each plot is written too, as SVG and PNG; made if it isn't there
     #[arg(long, value_name = "FOLDER")]
     plots: Option<PathBuf>,
     /// Threads [default: all cores]
@@ -218,8 +218,14 @@ impl Chart {
         for file in &files {
             check_writable(file)?;
         }
-        if let Some(folder) = &self.plots {
-            check_writable(&folder.join("plot"))?;
+        match &self.plots {
+            Some(folder) if folder.is_dir() => check_writable(&folder.join("plot"))?,
+            Some(file) if file.exists() => {
+                return Err(format!("{}: is a file, expected a folder", file.display()).into());
+            }
+            // It is made when there is something for it.
+            Some(folder) => check_writable(folder)?,
+            None => {}
         }
         let line = own(std::env::args_os().skip(2));
         let mut warnings = Vec::new();
@@ -384,6 +390,9 @@ impl Chart {
             made.push((file.clone(), text.into_bytes()));
         }
         if let Some(folder) = &self.plots {
+            if !folder.is_dir() {
+                std::fs::create_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+            }
             for (name, plot) in plots(all, facts.seeds) {
                 made.push((folder.join(format!("{name}.svg")), svg(&plot)?.into_bytes()));
                 let pixels = png(&plot)?

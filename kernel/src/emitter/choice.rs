@@ -10,7 +10,8 @@ use crate::real::Real;
 #[inline(always)]
 fn entry(count: usize, xi: [Real; 2]) -> (usize, Real) {
     const BITS: Real = 16_777_216.0; // 2²⁴
-    let [coarse, fine] = xi.map(|x| (x * BITS) as u64 * count as u64);
+    let entries = |x: Real| (x * BITS) as u64 * count as u64;
+    let (coarse, fine) = (entries(xi[0]), entries(xi[1]));
     // 48 digits of ξ times n, without the lowest 24: n < 2³² leaves no room for all of them in 64.
     let scaled = coarse + (fine >> 24);
     let fraction = scaled & ((1 << 24) - 1);

@@ -255,6 +255,7 @@ impl Scene<'_> {
 
 /// One sample of `element`, with geometry answered by `tracer` and numbers by `sampler`: the general form of
 /// [`Scene::estimate`], for engines that bring their own. Runs the instance of the estimator that has what the scene needs.
+#[inline(always)]
 pub fn estimate_with<T: Tracer, P: Sampler>(
     scene: &Scene<'_>,
     tracer: &T,

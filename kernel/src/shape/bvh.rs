@@ -80,7 +80,10 @@ impl<I: Isa> Tracer for Bvh<'_, I> {
 pub fn vertices(packets: &[Packet], slot: u32) -> [Vec3; 3] {
     let lane = slot as usize % LANES;
     match packets.get(slot as usize / LANES) {
-        Some(packet) => packet.v.map(|[x, y, z]| vec3([x[lane], y[lane], z[lane]])),
+        Some(Packet { v: [a, b, c], .. }) => {
+            let corner = |[x, y, z]: &[[f32; LANES]; 3]| vec3([x[lane], y[lane], z[lane]]);
+            [corner(a), corner(b), corner(c)]
+        }
         None => [Vec3::ZERO; 3],
     }
 }

@@ -130,9 +130,10 @@ impl Point {
 /// edge functions have an error of a few roundings of the triangle's extent squared, which shifts the
 /// hit in its plane, and so along a slanting ray, by as many roundings of the extent (Woop 2013, §3.3).
 #[inline(always)]
-pub fn triangle_offset(position: Vec3, corners: [Vec3; 3]) -> Real {
-    let [r0, r1, r2] = corners.map(|c| (c - position).abs());
-    gamma(4) * r0.max(r1).max(r2).max_element() + gamma(8) * position.abs().max_element()
+pub fn triangle_offset(position: Vec3, [a, b, c]: [Vec3; 3]) -> Real {
+    let reach = |corner: Vec3| (corner - position).abs();
+    gamma(4) * reach(a).max(reach(b)).max(reach(c)).max_element()
+        + gamma(8) * position.abs().max_element()
 }
 
 /// How far off a sphere a ray must start that doesn't meet it again.
