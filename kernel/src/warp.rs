@@ -2,7 +2,14 @@
 //!
 //! Everything accepts 0 and the largest number below 1 and answers with finite numbers.
 
-use crate::real::{INV_PI, PI, Real, Vec3, cos, erf, exp, expm1, safe_sqrt, sin, sqrt};
+use crate::real::{INV_PI, PI, Real, Vec3, erf, exp, expm1, safe_sqrt, sin_cos, sqrt};
+
+/// The point at distance `r` and angle φ.
+#[inline(always)]
+pub fn polar(r: Real, phi: Real) -> [Real; 2] {
+    let (sin, cos) = sin_cos(phi);
+    [r * cos, r * sin]
+}
 
 /// Uniform in the unit disc: concentric, so that neighbours stay neighbours (Shirley & Chiu 1997).
 #[inline(always)]
@@ -16,7 +23,7 @@ pub fn disc(xi: [Real; 2]) -> [Real; 2] {
     } else {
         (y, 0.5 * PI - 0.25 * PI * (x / y))
     };
-    [r * cos(phi), r * sin(phi)]
+    polar(r, phi)
 }
 
 /// Directions about +z with density cos θ/π: the disc lifted onto the hemisphere (Malley).
@@ -39,7 +46,8 @@ pub fn sphere(xi: [Real; 2]) -> Vec3 {
     // 1 − z² as a product of what doesn't cancel near the poles.
     let r = 2.0 * sqrt(xi[0] * (1.0 - xi[0]));
     let phi = 2.0 * PI * xi[1];
-    Vec3::new(r * cos(phi), r * sin(phi), z)
+    let [x, y] = polar(r, phi);
+    Vec3::new(x, y, z)
 }
 
 /// Directions about +z within the cone of half-angle θ, given 1 − cos θ: uniform per solid angle, and
@@ -49,7 +57,8 @@ pub fn cone(one_minus_cos: Real, xi: [Real; 2]) -> Vec3 {
     let h = one_minus_cos * xi[0];
     let r = safe_sqrt(h * (2.0 - h));
     let phi = 2.0 * PI * xi[1];
-    Vec3::new(r * cos(phi), r * sin(phi), 1.0 - h)
+    let [x, y] = polar(r, phi);
+    Vec3::new(x, y, 1.0 - h)
 }
 
 /// Barycentric weights of vertices 1 and 2, uniform over a triangle (Heitz 2019, "A low-distortion map").

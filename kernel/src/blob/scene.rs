@@ -12,7 +12,7 @@ use super::format::{
 use super::possible::Possible;
 use crate::real::{Vec3, vec3};
 use crate::sensor::Filter;
-use crate::shape::{Instructions, IsaKind};
+use crate::shape::{Bounds, Instructions, IsaKind};
 use crate::surface::TextureView;
 
 /// A scene, ready to be asked for light. Immutable; any number of threads may share it.
@@ -40,6 +40,7 @@ pub struct Scene<'a> {
     pub(super) isa: Instructions,
     pub(super) possible: Possible,
     pub(super) filter: Filter,
+    pub(super) bounds: Bounds,
 }
 
 impl<'a> Scene<'a> {
@@ -115,6 +116,12 @@ impl<'a> Scene<'a> {
     #[inline(always)]
     pub fn filter(&self) -> &Filter {
         &self.filter
+    }
+
+    /// A box around its objects, as its tree has it.
+    #[inline(always)]
+    pub(crate) fn bounds(&self) -> Bounds {
+        self.bounds
     }
 
     /// Its objects.

@@ -10,6 +10,7 @@ use crate::blob::format::{Cell, Emitter, emitter as kind};
 use crate::blob::{Scene, View};
 use crate::real::{INV_PI, PI, Real, Vec3, acos, atan2, cos, safe_sqrt, sin, sqrt, square, vec3};
 use crate::spectrum::Spectrum;
+use crate::warp::polar;
 
 /// What comes from `direction`.
 #[inline]
@@ -140,7 +141,8 @@ impl<S: Spectrum> LatLong<'_, '_, S> {
         let (top, bottom) = (cos(row * step), cos((row + 1.0) * step));
         let y = top + (bottom - top) * xi[1];
         let r = safe_sqrt((1.0 - y) * (1.0 + y));
-        Vec3::new(r * sin(phi), y, -r * cos(phi))
+        let [ahead, right] = polar(r, phi);
+        Vec3::new(right, y, -ahead)
     }
 }
 

@@ -2,9 +2,10 @@
 //! the cosine between the directions of propagation is c = −w·wi. All are symmetric: the way back has the same density.
 
 use crate::blob::format::{Lobe, medium};
-use crate::real::{Frame, PI, Real, Vec3, cbrt, cos, safe_sqrt, sin, sqrt, square};
+use crate::real::{Frame, PI, Real, Vec3, cbrt, safe_sqrt, sqrt, square};
 use crate::spectrum::Spectrum;
 use crate::surface::Scatter;
+use crate::warp::polar;
 
 /// What scatters at a point of a medium: its parts blended by their shares, times σ_s.
 #[derive(Clone, Copy, Debug)]
@@ -142,7 +143,8 @@ fn direction(l: &Lobe, w: Vec3, xi: [Real; 2]) -> Vec3 {
     };
     let r = safe_sqrt(h * (2.0 - h));
     let phi = 2.0 * PI * xi[1];
-    let local = Vec3::new(r * cos(phi), r * sin(phi), 1.0 - h);
+    let [x, y] = polar(r, phi);
+    let local = Vec3::new(x, y, 1.0 - h);
     let wi = Frame::around(axis).world(local);
     // Long walks scatter thousands of times: lengths would drift.
     wi * (1.0 / sqrt(wi.length_squared()))

@@ -9,8 +9,9 @@
 
 use super::{Projection, Start};
 use crate::blob::format::Sensor;
-use crate::real::{INV_PI, PI, Real, Vec3, atan2, cos, sin, sqrt, square, vec3};
+use crate::real::{INV_PI, PI, Real, Vec3, atan2, sin_cos, sqrt, square, vec3};
 use crate::shape::Ray;
+use crate::warp::polar;
 
 /// The sine of a polar angle that a density may be divided by.
 const LEAST_SINE: Real = 1e-6;
@@ -28,9 +29,9 @@ pub(super) fn start(s: &Sensor, raster: [Real; 2]) -> Start {
     let phi = (raster[0] / s.resolution[0] as Real - 0.5) * (2.0 * PI);
     let theta = raster[1] / s.resolution[1] as Real * PI;
     // Over a pole the sine is negative: half a turn further.
-    let sine = sin(theta);
-    let ahead = vec3(s.forward) * cos(phi) + vec3(s.right) * sin(phi);
-    let direction = ahead * sine - vec3(s.down) * cos(theta);
+    let ((sine, up), [ahead, right]) = (sin_cos(theta), polar(1.0, phi));
+    let level = vec3(s.forward) * ahead + vec3(s.right) * right;
+    let direction = level * sine - vec3(s.down) * up;
     Start {
         ray: Ray {
             origin: vec3(s.origin),

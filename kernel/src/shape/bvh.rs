@@ -41,8 +41,25 @@ impl<'a, I: Isa> Bvh<'a, I> {
         spheres: &'a [Sphere],
         isa: I,
     ) -> Self {
-        // SAFETY: there is a node 0.
-        let bounds = Bounds::of(unsafe { nodes.get_unchecked(0) });
+        // SAFETY: as the caller says; there is a node 0.
+        unsafe {
+            let bounds = Bounds::of(nodes.get_unchecked(0));
+            Self::within(bounds, nodes, packets, spheres, isa)
+        }
+    }
+
+    /// The same, where the bounds of node 0 are known.
+    ///
+    /// # Safety
+    /// As for [`Self::new`].
+    #[inline(always)]
+    unsafe fn within(
+        bounds: Bounds,
+        nodes: &'a [Node],
+        packets: &'a [Packet],
+        spheres: &'a [Sphere],
+        isa: I,
+    ) -> Self {
         let sphere_base = (packets.len() * LANES) as u32;
         Self {
             nodes,
@@ -61,7 +78,10 @@ impl<'a> crate::blob::Scene<'a> {
     pub fn tracer<I: Isa>(&self, isa: I) -> Bvh<'a, I> {
         // SAFETY: a Scene exists only after `blob/check` has verified exactly this: at least one node
         // (open), children, parents and levels of nodes, and the spans of leaves (check_node).
-        unsafe { Bvh::new(self.nodes(), self.packets(), self.sphere_records(), isa) }
+        unsafe {
+            let (nodes, packets) = (self.nodes(), self.packets());
+            Bvh::within(self.bounds(), nodes, packets, self.sphere_records(), isa)
+        }
     }
 }
 

@@ -21,4 +21,5 @@ pub use isa::{Avx2, Sse2};
 pub use isa::{Instructions, Isa, IsaKind, Scalar};
 pub use point::{Point, sphere_offset, triangle_normal, triangle_offset, unit_or_z};
 pub use ray::{Hit, Ray, Tracer};
+pub(crate) use slab::Bounds;
 pub use tree::Tree;

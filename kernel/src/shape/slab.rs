@@ -33,6 +33,12 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// Around nothing.
+    pub const NOTHING: Self = Self {
+        center: Vec3::ZERO,
+        half: Vec3::ZERO,
+    };
+
     /// Around the children of the root; empty slots don't count.
     pub fn of(root: &Node) -> Self {
         let mut low = Vec3::splat(Real::INFINITY);
@@ -56,10 +62,7 @@ impl Bounds {
                 half: high * 0.5 - low * 0.5,
             }
         } else {
-            Self {
-                center: Vec3::ZERO,
-                half: Vec3::ZERO,
-            }
+            Self::NOTHING
         }
     }
 

@@ -5,7 +5,8 @@
 //! regular in the tangent plane where Smith's G₁(ω) = |cos θ|/A(ω) and Λ are not. Directions and normals here have z ≥ 0.
 
 use crate::blob::format::{Material, material};
-use crate::real::{INV_PI, PI, Real, Vec3, cos, erf, exp, log, safe_sqrt, sin, sqrt, square};
+use crate::real::{INV_PI, PI, Real, Vec3, erf, exp, log, safe_sqrt, sqrt, square};
+use crate::warp::polar;
 
 /// How facets hide each other from light and from the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -174,7 +175,8 @@ fn ggx(w: Vec3, xi: [Real; 2]) -> Vec3 {
     let z = (1.0 - xi[0]) * top;
     let r = safe_sqrt(xi[0] * top * (z + (1.0 - w.z)));
     let phi = 2.0 * PI * xi[1];
-    Vec3::new(r * cos(phi) + w.x, r * sin(phi) + w.y, z)
+    let [x, y] = polar(r, phi);
+    Vec3::new(x + w.x, y + w.y, z)
 }
 
 /// The steps of [`beckmann`]'s Newton iteration, at most; it halves its bracket where a step would leave it.

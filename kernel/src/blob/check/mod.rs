@@ -21,7 +21,7 @@ use super::format::section;
 use super::rule::Rule;
 use super::scene::Scene;
 use crate::sensor::Filter;
-use crate::shape::{Instructions, IsaKind};
+use crate::shape::{Bounds, Instructions, IsaKind};
 use contents::Contents;
 use rules::{at, each, ensure};
 
@@ -53,6 +53,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
         isa: Instructions::select(IsaKind::best()),
         possible: Possible::default(),
         filter: Filter::PIXEL,
+        bounds: Bounds::NOTHING,
     };
     let s = &scene;
     geometry::world(s).map_err(at(section::WORLD))?;
@@ -96,6 +97,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<Scene<'_>, BlobError> {
     Ok(Scene {
         possible: Possible::of(s),
         filter: Filter::of(s.sensor),
+        bounds: s.nodes.first().map_or(Bounds::NOTHING, Bounds::of),
         ..scene
     })
 }

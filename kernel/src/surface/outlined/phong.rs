@@ -8,9 +8,10 @@
 //! As n → ∞ the lobes become those of the smooth dielectric, (η_o/η_i)² included.
 
 use super::{drawn, fresh, indices};
-use crate::real::{PI, Real, Vec3, cos, exp, expm1, log, log1p, safe_sqrt, sin, square, tangents};
+use crate::real::{PI, Real, Vec3, exp, expm1, log, log1p, safe_sqrt, square, tangents};
 use crate::spectrum::Spectrum;
 use crate::surface::{Diffuse, Local, Mode, Scatter, fresnel, reflect, same_side};
+use crate::warp::polar;
 
 /// Glossy lobes over a diffuse base.
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +108,8 @@ impl<S: Spectrum> Phong<S> {
         let r = safe_sqrt(s * (2.0 - s));
         let phi = 2.0 * PI * xi[1];
         let (x, y) = tangents(axis);
-        x * (r * cos(phi)) + y * (r * sin(phi)) + axis * (1.0 - s)
+        let [a, b] = polar(r, phi);
+        x * a + y * b + axis * (1.0 - s)
     }
 }
 
