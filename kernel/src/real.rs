@@ -14,9 +14,9 @@ mod precision {
     #[cfg(not(target_arch = "nvptx64"))]
     pub use libm::sqrtf as sqrt;
     pub use libm::{
-        acosf as acos, asinf as asin, atan2f as atan2, cbrtf as cbrt, cosf as cos, erff as erf,
-        expf as exp, expm1f as expm1, log1pf as log1p, logf as log, powf as pow,
-        sincosf as sin_cos, sinf as sin, tanf as tan,
+        acosf as acos, asinf as asin, atan2f as atan2, cbrtf as cbrt, erff as erf, expf as exp,
+        expm1f as expm1, log1pf as log1p, logf as log, powf as pow, sincosf as sin_cos,
+        tanf as tan,
     };
 
     /// √x by the GPU's own instruction: correctly rounded like libm's, and many times faster than it is there.
@@ -46,8 +46,7 @@ mod precision {
     pub type Vec3 = glam::DVec3;
     pub use core::f64::consts;
     pub use libm::{
-        acos, asin, atan2, cbrt, cos, erf, exp, expm1, log, log1p, pow, sin, sincos as sin_cos,
-        sqrt, tan,
+        acos, asin, atan2, cbrt, erf, exp, expm1, log, log1p, pow, sincos as sin_cos, sqrt, tan,
     };
 
     /// ξ ∈ [0, 1) from 32 random bits, all of them: the same ξ as in single precision up to rounding,

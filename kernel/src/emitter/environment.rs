@@ -8,7 +8,7 @@ use super::distant::Direction;
 use super::pick_cell;
 use crate::blob::format::{Cell, Emitter, emitter as kind};
 use crate::blob::{Scene, View};
-use crate::real::{INV_PI, PI, Real, Vec3, acos, atan2, cos, safe_sqrt, sin, sqrt, square, vec3};
+use crate::real::{INV_PI, PI, Real, Vec3, acos, atan2, safe_sqrt, sin_cos, sqrt, square, vec3};
 use crate::spectrum::Spectrum;
 use crate::warp::polar;
 
@@ -126,7 +126,8 @@ impl<S: Spectrum> LatLong<'_, '_, S> {
     /// Of a cell in `row`: (2π/width)·(cos θ₀ − cos θ₁), the difference as a product.
     fn solid_angle(&self, row: u32) -> Real {
         let middle = (row as Real + 0.5) * self.step();
-        2.0 * PI / self.e.width as Real * 2.0 * sin(middle) * sin(0.5 * self.step())
+        let sine = |x: Real| sin_cos(x).0;
+        2.0 * PI / self.e.width as Real * 2.0 * sine(middle) * sine(0.5 * self.step())
     }
 
     /// A direction of cell `index`, uniform per solid angle.
@@ -138,7 +139,8 @@ impl<S: Spectrum> LatLong<'_, '_, S> {
             (index % w.max(1) as usize) as Real,
         );
         let phi = (column + 0.5 + xi[0]) * (2.0 * PI / w as Real);
-        let (top, bottom) = (cos(row * step), cos((row + 1.0) * step));
+        let cosine = |x: Real| sin_cos(x).1;
+        let (top, bottom) = (cosine(row * step), cosine((row + 1.0) * step));
         let y = top + (bottom - top) * xi[1];
         let r = safe_sqrt((1.0 - y) * (1.0 + y));
         let [ahead, right] = polar(r, phi);
