@@ -14,6 +14,7 @@ mod single {
     mod dirac;
     mod energy;
     mod extremes;
+    mod filter;
     mod loss;
     mod oracles;
     mod texture;
@@ -30,6 +31,7 @@ mod double {
     mod dirac;
     mod energy;
     mod extremes;
+    mod filter;
     mod loss;
     mod oracles;
     mod texture;
