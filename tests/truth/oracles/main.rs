@@ -9,6 +9,7 @@ mod extremes;
 mod light;
 mod media;
 mod mirrors;
+mod volumes;
 
 use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;

@@ -118,7 +118,7 @@ fn named(id: &str) -> Slab {
     }
 }
 
-fn ids(prefix: &str) -> Vec<String> {
+pub(super) fn ids(prefix: &str) -> Vec<String> {
     let all = ORACLES.as_object().unwrap().keys();
     let mut found: Vec<String> = all.filter(|k| k.starts_with(prefix)).cloned().collect();
     found.sort();
@@ -128,7 +128,7 @@ fn ids(prefix: &str) -> Vec<String> {
 
 /// How many samples per batch this estimator takes for a relative noise, by others of its samples: for half of what they say, because where little comes back
 /// a few tell it badly.
-fn enough(estimator: Estimator, bytes: &AlignedBlob, ask: Ask, precision: f64) -> u64 {
+pub(super) fn enough(estimator: Estimator, bytes: &AlignedBlob, ask: Ask, precision: f64) -> u64 {
     const PILOT: u64 = 1000;
     let settings = Settings {
         estimator,
@@ -224,6 +224,24 @@ fn endless_slabs() {
             Slab::new(1e4, 0.99999, 0.0),
             24,
             0.02,
+        ),
+        (
+            "highalbedo_a0.99999_tauinf_g0.0_URU",
+            named("highalbedo_a0.99999_tauinf_g0.0_URU"),
+            24,
+            0.02,
+        ),
+        (
+            "highalbedo_a0.99999_tauinf_g0.9_UR1",
+            named("highalbedo_a0.99999_tauinf_g0.9_UR1"),
+            24,
+            0.03,
+        ),
+        (
+            "peak_g0.999_tau1000_URU",
+            Slab::new(1000.0, 1.0, 0.999),
+            60,
+            0.05,
         ),
         (
             "highalbedo_a0.99999_tau100_g0.9_UR1",
@@ -365,31 +383,51 @@ fn airlight() {
 
 /// The sun through a slit in a black plane, scattered once on its way to a ray.
 #[test]
-fn light_shaft() {
-    let mut b = Builder::new();
-    let fog = b.medium([0.1; 3], [1.0; 3], Phase::Isotropic);
-    b.fog([-200.0, -200.0, -200.0], [200.0, 3.0, 200.0], fog);
-    // Just above the fog's surface: it casts the same shadow.
-    for (from, to) in [(-200.0, 4.0), (6.0, 200.0)] {
+fn light_shafts() {
+    let slanting = [0.6, -0.8, 0.0];
+    // Height of the plane, the slit, the wall at which the ray ends; sun, extinction, albedo, g.
+    let cases = [
+        (
+            "shaft_0",
+            3.0,
+            [4.0, 6.0],
+            10.0,
+            [0.0, -1.0, 0.0],
+            [0.1, 1.0, 0.0],
+        ),
+        (
+            "shaft_1",
+            2.0,
+            [1.0, 2.0],
+            5.0,
+            [0.0, -1.0, 0.0],
+            [0.5, 0.8, 0.6],
+        ),
+        ("shaft_2", 1.0, [2.25, 2.75], 8.0, slanting, [0.2, 1.0, 0.6]),
+    ];
+    for (id, top, slit, wall, direction, [sigma_t, albedo, g]) in cases {
+        let mut b = Builder::new();
+        let phase = Phase::HenyeyGreenstein { g };
+        let fog = b.medium([sigma_t; 3], [albedo; 3], phase);
+        b.fog([-200.0, -200.0, -200.0], [200.0, top, 200.0], fog);
+        // Just above the fog's surface: it casts the same shadow.
+        for (from, to) in [(-200.0, slit[0]), (slit[1], 200.0)] {
+            let corner = [from, top + 1e-3, -200.0];
+            b.quad(corner, [to - from, 0.0, 0.0], [0.0, 0.0, 400.0], None);
+        }
         b.quad(
-            [from, 3.001, -200.0],
-            [to - from, 0.0, 0.0],
-            [0.0, 0.0, 400.0],
+            [wall, -50.0, -50.0],
+            [0.0, 49.0 + top, 0.0],
+            [0.0, 0.0, 100.0],
             None,
         );
+        b.light(EmitterKind::Directional {
+            direction,
+            irradiance: [1.0; 3],
+        });
+        let ray = Ask::Ray([0.0; 3], [1.0, 0.0, 0.0]);
+        ask(&blob(&b.description), id, ray, 4000, Some(2), 0.02);
     }
-    b.quad(
-        [10.0, -50.0, -50.0],
-        [0.0, 52.0, 0.0],
-        [0.0, 0.0, 100.0],
-        None,
-    );
-    b.light(EmitterKind::Directional {
-        direction: [0.0, -1.0, 0.0],
-        irradiance: [1.0; 3],
-    });
-    let ray = Ask::Ray([0.0; 3], [1.0, 0.0, 0.0]);
-    ask(&blob(&b.description), "shaft_0", ray, 4000, Some(2), 0.02);
 }
 
 /// A plate of glass that absorbs, before a uniform sky.
@@ -422,6 +460,10 @@ fn absorbing_plates() {
         sky(&mut b);
         let direction = [(1.0 - cos * cos).sqrt(), 0.0, -cos];
         let ray = Ask::Ray([-direction[0] / cos * 0.5, 0.0, 1.5], direction);
-        ask(&blob(&b.description), &id, ray, 3000, None, 0.03);
+        let bytes = blob(&b.description);
+        for estimator in [Estimator::Path, Estimator::Bidirectional] {
+            let samples = enough(estimator, &bytes, ray, 0.03);
+            ask_by(&[estimator], &bytes, &id, ray, samples, None, 0.03);
+        }
     }
 }
