@@ -95,6 +95,14 @@ impl Slab {
         }
     }
 
+    /// Those that can be asked: in deep ones light scatters a thousand times, and path's cost grows with that number alone.
+    fn estimators(&self) -> &'static [Estimator] {
+        match self.tau {
+            ..=40.0 => &[Estimator::Path, Estimator::Bidirectional],
+            _ => &[Estimator::Path],
+        }
+    }
+
     /// Asks for it.
     fn ask(&self, id: &str, samples: u64, precision: f64) {
         // Of the diffuse ones the file has π times the value: an irradiance.
@@ -148,11 +156,8 @@ fn each(prefix: &str) {
     let some = if etendue_tests::deep() { 1 } else { SOME };
     let right = |id: &String| {
         let slab = named(id);
-        // In deep ones light scatters a thousand times, and path's cost grows with that number alone.
-        let both = [Estimator::Path, Estimator::Bidirectional];
-        let estimators = if slab.tau > 40.0 { &both[..1] } else { &both };
         let (bytes, what) = (slab.blob(), slab.what(id));
-        for &estimator in estimators {
+        for &estimator in slab.estimators() {
             let samples = enough(estimator, &bytes, what, 0.05);
             ask_by(&[estimator], &bytes, id, what, samples, None, 0.05);
         }
@@ -322,16 +327,12 @@ fn layers_from_either_end() {
 #[test]
 fn half_spaces() {
     for id in ids("H_planealbedo") {
-        let number = |key: &str| {
-            id.split('_')
-                .find_map(|part| part.strip_prefix(key)?.parse::<f32>().ok())
-                .unwrap()
-        };
-        let (albedo, mu) = (number("a"), number("mu"));
-        let bytes = Slab::new(30.0, albedo, 0.0).blob();
+        let mu: f32 = id.rsplit("mu").next().unwrap().parse().unwrap();
+        let slab = named(&id);
+        let bytes = slab.blob();
         let direction = [(1.0 - mu * mu).sqrt(), 0.0, -mu];
         let ray = Ask::Ray([0.37, 0.41, 1.2], direction);
-        ask(&bytes, &id, ray, 400, None, 0.03);
+        ask_by(slab.estimators(), &bytes, &id, ray, 400, None, 0.03);
     }
 }
 
