@@ -8,6 +8,7 @@ pub(super) mod space;
 use super::bvh::Bounds;
 use crate::description::{Color, Description, Geometry, Grid, Grids, Medium, Phase, Tracking};
 use bytemuck::Zeroable;
+use etendue::blob::MAX_COORDINATE;
 use etendue::blob::format::{self, Lobe, NONE, medium, needs};
 use glam::{DMat3, DVec3};
 use grids::{absorbs, grid_mean, majorants};
@@ -339,6 +340,9 @@ fn glowing(
         } else {
             emission *= volume / edges.determinant();
         }
+    }
+    if corner.abs().max_element() > f64::from(MAX_COORDINATE) {
+        return Err("a medium that emits must lie within 1e12".into());
     }
     let volume = edges.determinant().abs();
     if volume < 1e-37 {

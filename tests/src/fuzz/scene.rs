@@ -12,7 +12,7 @@ use etendue_host::description::{
 };
 
 /// What may be wrong with a scene whose numbers all are in their ranges.
-const REASONS: [&str; 17] = [
+const REASONS: [&str; 18] = [
     "a light needs an area",
     "a background already",
     // Media.
@@ -27,6 +27,7 @@ const REASONS: [&str; 17] = [
     "albedo must be in",
     "the transform of its grids",
     "from a volume of at least",
+    "that emits must lie within",
     "the weights of phase functions",
     "an index must be",
     "a spectrum must have",
