@@ -1,10 +1,8 @@
 //! All geometry in flat lists, and what can be said of it at once.
 
 use crate::description::{Geometry, Mesh};
+use etendue::blob::MAX_COORDINATE;
 use etendue::blob::format::{Shape, Sphere, Triangle};
-
-/// Coordinates beyond this are refused, as the kernel does.
-const MAX_COORDINATE: f32 = 1e12;
 
 /// All geometry in flat lists.
 #[derive(Default)]

@@ -95,14 +95,6 @@ impl Slab {
         }
     }
 
-    /// Those that can be asked: in deep ones light scatters a thousand times, and path's cost grows with that number alone.
-    fn estimators(&self) -> &'static [Estimator] {
-        match self.tau {
-            ..=40.0 => &[Estimator::Path, Estimator::Bidirectional],
-            _ => &[Estimator::Path],
-        }
-    }
-
     /// Asks for it.
     fn ask(&self, id: &str, samples: u64, precision: f64) {
         // Of the diffuse ones the file has π times the value: an irradiance.
@@ -110,12 +102,15 @@ impl Slab {
     }
 }
 
+/// The number behind `key` in an id.
+pub(super) fn number(id: &str, key: &str) -> Option<f32> {
+    id.split('_')
+        .find_map(|part| part.strip_prefix(key)?.parse().ok())
+}
+
 /// The numbers in `slab_a0.5_tau1_g0.75_UR1`, or in a name of the others.
 fn named(id: &str) -> Slab {
-    let number = |key: &str| {
-        id.split('_')
-            .find_map(|part| part.strip_prefix(key)?.parse::<f32>().ok())
-    };
+    let number = |key| number(id, key);
     let (albedo, g) = (number("a").unwrap_or(1.0), number("g").unwrap_or(0.0));
     // Radiance falls by e in each diffusion length, there and back: nothing that is noticed comes from ten deep.
     let diffusion = 1.0 / (3.0 * (1.0 - albedo) * (1.0 - albedo * g)).sqrt();
@@ -136,7 +131,7 @@ pub(super) fn ids(prefix: &str) -> Vec<String> {
 
 /// How many samples per batch this estimator takes for a relative noise, by others of its samples: for half of what they say, because where little comes back
 /// a few tell it badly.
-pub(super) fn enough(estimator: Estimator, bytes: &AlignedBlob, ask: Ask, precision: f64) -> u64 {
+fn enough(estimator: Estimator, bytes: &AlignedBlob, ask: Ask, precision: f64) -> u64 {
     const PILOT: u64 = 1000;
     let settings = Settings {
         estimator,
@@ -150,17 +145,36 @@ pub(super) fn enough(estimator: Estimator, bytes: &AlignedBlob, ask: Ask, precis
     (PILOT as f64 * times).clamp(100.0, 400_000.0) as u64
 }
 
+/// Those that can be asked of an optical thickness: in deep matter light scatters a thousand times, and path's cost grows with that number alone.
+pub(super) fn estimators(tau: f32) -> &'static [Estimator] {
+    match tau {
+        ..=40.0 => &[Estimator::Path, Estimator::Bidirectional],
+        _ => &[Estimator::Path],
+    }
+}
+
+/// Asks each of them with as many samples as it takes.
+pub(super) fn ask_enough(
+    estimators: &[Estimator],
+    bytes: &AlignedBlob,
+    id: &str,
+    ask: Ask,
+    precision: f64,
+) {
+    for &estimator in estimators {
+        let samples = enough(estimator, bytes, ask, precision);
+        ask_by(&[estimator], bytes, id, ask, samples, None, precision);
+    }
+}
+
 /// Slabs whose names begin like this: all, or one in some unless tests are to be deep.
 fn each(prefix: &str) {
     const SOME: usize = 11;
     let some = if etendue_tests::deep() { 1 } else { SOME };
     let right = |id: &String| {
         let slab = named(id);
-        let (bytes, what) = (slab.blob(), slab.what(id));
-        for &estimator in slab.estimators() {
-            let samples = enough(estimator, &bytes, what, 0.05);
-            ask_by(&[estimator], &bytes, id, what, samples, None, 0.05);
-        }
+        let asked = estimators(slab.tau);
+        ask_enough(asked, &slab.blob(), id, slab.what(id), 0.05);
     };
     // All that are wrong are named, not the first alone.
     let wrong = ids(prefix).into_iter().step_by(some);
@@ -327,12 +341,12 @@ fn layers_from_either_end() {
 #[test]
 fn half_spaces() {
     for id in ids("H_planealbedo") {
-        let mu: f32 = id.rsplit("mu").next().unwrap().parse().unwrap();
+        let mu = number(&id, "mu").unwrap();
         let slab = named(&id);
         let bytes = slab.blob();
         let direction = [(1.0 - mu * mu).sqrt(), 0.0, -mu];
         let ray = Ask::Ray([0.37, 0.41, 1.2], direction);
-        ask_by(slab.estimators(), &bytes, &id, ray, 400, None, 0.03);
+        ask_by(estimators(slab.tau), &bytes, &id, ray, 400, None, 0.03);
     }
 }
 
@@ -435,11 +449,7 @@ fn light_shafts() {
 #[test]
 fn absorbing_plates() {
     for id in ids("slab_T_n").into_iter().filter(|id| id.contains("abs")) {
-        let number = |key: &str| {
-            id.split('_')
-                .find_map(|part| part.strip_prefix(key)?.parse::<f32>().ok())
-                .unwrap()
-        };
+        let number = |key| number(&id, key).unwrap();
         let (ior, cos, absorption) = (number("n"), number("c"), number("abs"));
         let mut b = Builder::new();
         let tint = b.medium([absorption; 3], [0.0; 3], Phase::Isotropic);
@@ -461,10 +471,7 @@ fn absorbing_plates() {
         sky(&mut b);
         let direction = [(1.0 - cos * cos).sqrt(), 0.0, -cos];
         let ray = Ask::Ray([-direction[0] / cos * 0.5, 0.0, 1.5], direction);
-        let bytes = blob(&b.description);
-        for estimator in [Estimator::Path, Estimator::Bidirectional] {
-            let samples = enough(estimator, &bytes, ray, 0.03);
-            ask_by(&[estimator], &bytes, &id, ray, samples, None, 0.03);
-        }
+        let both = [Estimator::Path, Estimator::Bidirectional];
+        ask_enough(&both, &blob(&b.description), &id, ray, 0.03);
     }
 }

@@ -1,19 +1,12 @@
 //! Volumes whose light is known in closed form: half-spaces lit by the sun (Chandrasekhar's H), balls and boxes that are in equilibrium with what is around
 //! them, balls that absorb.
 
-use super::media::{enough, ids};
-use super::{Ask, BATCHES, ask, ask_by, batches, check, sky};
-use etendue::{Estimator, Scene, Scratch, Settings};
+use super::media::{ask_enough, estimators, ids, number};
+use super::{Ask, BATCHES, ask, batches, check, sky};
+use etendue::{Scene, Scratch, Settings};
 use etendue_host::description::{EmitterKind, Geometry, Medium, Phase};
 use etendue_tests::render::blob;
 use etendue_tests::scenes::Builder;
-
-/// The number behind `key` in an id.
-fn number(id: &str, key: &str) -> f32 {
-    id.split('_')
-        .find_map(|part| part.strip_prefix(key)?.parse().ok())
-        .unwrap_or_else(|| panic!("{id} has no {key}"))
-}
 
 /// The sun on matter without end, seen from above: L = a/4π·μ₀/(μ + μ₀)·H(μ)·H(μ₀) (Chandrasekhar 1950). A layer so thick that less than 10⁻⁵ of what is
 /// seen would have come from below it; where nothing is absorbed, 10⁻³.
@@ -22,7 +15,7 @@ fn half_spaces_in_the_sun() {
     let some = if etendue_tests::deep() { 1 } else { 3 };
     for id in ids("H_radiance").into_iter().step_by(some) {
         // H_radiance_a0.3_mu01.0_mu0.5
-        let (albedo, sun) = (number(&id, "a"), number(&id, "mu0"));
+        let [albedo, sun] = ["a", "mu0"].map(|key| number(&id, key).unwrap());
         let eye: f32 = id.rsplit("mu").next().unwrap().parse().unwrap();
         let tau = match albedo {
             1.0 => 1000.0,
@@ -35,14 +28,9 @@ fn half_spaces_in_the_sun() {
             direction: [-(1.0 - sun * sun).sqrt(), 0.0, -sun],
             irradiance: [1.0; 3],
         });
-        let bytes = blob(&b.description);
         let side = (1.0 - eye * eye).sqrt();
         let ray = Ask::Ray([0.3, 0.2 + 2.0 * side, 1.0 + 2.0 * eye], [0.0, -side, -eye]);
-        let both = [Estimator::Path, Estimator::Bidirectional];
-        for &estimator in if albedo > 0.95 { &both[..1] } else { &both } {
-            let samples = enough(estimator, &bytes, ray, 0.03);
-            ask_by(&[estimator], &bytes, &id, ray, samples, None, 0.03);
-        }
+        ask_enough(estimators(tau), &blob(&b.description), &id, ray, 0.03);
     }
 }
 
@@ -120,8 +108,8 @@ fn matter_in_equilibrium_with_its_walls() {
 fn tinted_glass_balls() {
     for id in ids("ball_absorbed") {
         let mut b = Builder::new();
-        let tint = b.medium([number(&id, "sa"); 3], [0.0; 3], Phase::Isotropic);
-        let glass = b.glass(number(&id, "n"));
+        let tint = b.medium([number(&id, "sa").unwrap(); 3], [0.0; 3], Phase::Isotropic);
+        let glass = b.glass(number(&id, "n").unwrap());
         b.ball([0.0; 3], 1.0, glass, tint);
         sky(&mut b);
         let bytes = blob(&b.description);
