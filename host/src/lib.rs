@@ -5,7 +5,9 @@
 //! ```
 
 pub mod blob;
+#[cfg(feature = "program")]
 pub mod chart;
+#[cfg(feature = "program")]
 pub mod command;
 pub mod compile;
 pub mod description;
@@ -16,5 +18,6 @@ pub mod reach;
 pub mod render;
 pub mod scene;
 mod spectra;
+#[cfg(feature = "program")]
 pub mod stability;
 pub mod statistics;

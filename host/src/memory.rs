@@ -35,6 +35,20 @@ pub fn attempt<T>(count: usize) -> Result<Vec<T>, TryReserveError> {
     reserved.map(|()| values)
 }
 
+/// Stack of a thread, in bytes.
+pub const STACK: usize = 2 << 20;
+/// What else a thread takes as it starts, in bytes, and a few times that: guard pages, a stack for signals, its name and its queue.
+const BESIDE: usize = 256 << 10;
+
+/// Makes sure that there is memory for `count` threads before the first one starts: one that starts where there is too little of it
+/// panics in the standard library, at a place where nobody can be told.
+///
+/// # Errors
+/// If there is not so much memory.
+pub fn room_for_threads(count: usize) -> Result<(), TryReserveError> {
+    attempt::<u8>(count.saturating_mul(STACK + BESIDE)).map(drop)
+}
+
 /// The system's allocator; ends the program where that would return nothing, but for [`attempt`].
 #[derive(Debug)]
 pub struct Allocator;

@@ -1,7 +1,7 @@
 //! Renders each variant on a ladder of budgets, with several seeds, and takes the distance to a reference.
 
 use crate::develop::{Linear, distance};
-use crate::render::{Budget, CAPACITY, Device, Options, render, render_double};
+use crate::render::{Budget, CAPACITY, Crew, Device, Options, render, render_double};
 use crate::scene::Prepared;
 use crate::statistics::{Costs, Estimate, Interval, tail_index};
 use etendue::random::{Pcg, Purpose, Sampler};
@@ -154,9 +154,7 @@ pub fn image(
     let scene = Scene::open(blob).map_err(|e| e.to_string())?;
     let started = cpu_seconds();
     let pixels = if subject.double {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool.map_err(|e| e.to_string())?;
-        pool.install(|| render_double(blob, &settings, passes))
+        render_double(blob, &settings, passes, Crew::Own(threads), stop)
             .map_err(|e| e.to_string())?
     } else {
         let options = Options {

@@ -1,8 +1,11 @@
 //! Who runs a render's jobs: threads of our own, that end with the render, or the caller's.
 
 use super::RenderError;
+use crate::memory::{STACK, room_for_threads};
 use rayon::prelude::*;
+use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::thread::available_parallelism;
 
 /// The caller's way to run jobs: `run(jobs, job)` calls `job(i)` for every i < `jobs`, in any order and on as many
 /// threads as it likes, and returns when all are done.
@@ -25,21 +28,30 @@ impl Crew<'_> {
     ) -> Result<R, RenderError> {
         match self {
             Self::Callers(run) => work(run),
-            // A pool that isn't the global one and whose threads don't outlive the call.
-            Self::Own(threads) => rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build_scoped(
-                    |thread| thread.run(),
-                    |pool| {
-                        pool.install(|| {
-                            work(&|jobs, job| {
-                                let jobs = (0..jobs).into_par_iter().with_max_len(1);
-                                jobs.for_each(job);
+            Self::Own(threads) => {
+                let threads = match threads {
+                    0 => available_parallelism().map_or(1, NonZero::get),
+                    n => n,
+                };
+                let refused = |source| RenderError::Threads { threads, source };
+                room_for_threads(threads).map_err(|e| refused(e.into()))?;
+                // A pool that isn't the global one and whose threads don't outlive the call.
+                rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .stack_size(STACK)
+                    .build_scoped(
+                        |thread| thread.run(),
+                        |pool| {
+                            pool.install(|| {
+                                work(&|jobs, job| {
+                                    let jobs = (0..jobs).into_par_iter().with_max_len(1);
+                                    jobs.for_each(job);
+                                })
                             })
-                        })
-                    },
-                )
-                .map_err(|source| RenderError::Threads { threads, source })?,
+                        },
+                    )
+                    .map_err(|e| refused(e.into()))?
+            }
         }
     }
 }

@@ -1,18 +1,25 @@
 //! Renders in double precision, by the same source compiled a second time (`kernel/f64`): what single precision is charted against.
 
+use super::crew::{Crew, each_once};
 use super::{CAPACITY, RenderError};
 use etendue::{Estimator, Heuristic, Settings};
 use etendue_f64 as double;
-use rayon::prelude::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The image of `passes` samples per pixel, on all threads of the current pool.
+/// Most parts that the samples of a pixel are cut into: how many doesn't hang on the threads, so that sums round the same way.
+const PARTS: u64 = 16;
+
+/// The image of `passes` samples per pixel; if `stop` is set on the way, of fewer, that say nothing.
 ///
 /// # Errors
-/// If the estimator isn't one of samples of pixels, or can't answer for the scene.
+/// If the estimator isn't one of samples of pixels, or can't answer for the scene; if there are no threads.
 pub fn render_double(
     blob: &[u8],
     settings: &Settings,
     passes: u64,
+    crew: Crew<'_>,
+    stop: &AtomicBool,
 ) -> Result<Vec<[f32; 3]>, RenderError> {
     let scene = double::Scene::open(blob)
         .map_err(|_| RenderError::Estimator("double precision doesn't open this scene"))?;
@@ -21,25 +28,33 @@ pub fn render_double(
         return Err(RenderError::Estimator(reason));
     }
     let [width, height] = scene.size().map(|n| n as usize);
-    let black = || vec![[0.0f64; 3]; width * height];
-    let sums = (0..passes)
-        .into_par_iter()
-        .fold(black, |mut sums, index| {
-            pass(&scene, &settings, index, &mut sums);
-            sums
-        })
-        .reduce(black, |mut a, b| {
-            for (a, b) in a.as_flattened_mut().iter_mut().zip(b.as_flattened()) {
-                *a += b;
+    let mut total = vec![[0.0; 3]; width * height];
+    let parts: Vec<_> = (0..passes.min(PARTS))
+        .map(|_| Mutex::new(Vec::new()))
+        .collect();
+    crew.employ(|run| {
+        each_once(run, parts.len(), &|part| {
+            let mut sums = vec![[0.0; 3]; width * height];
+            let mut indices = (part as u64..passes).step_by(parts.len());
+            while let Some(index) = indices.next()
+                && !stop.load(Ordering::Relaxed)
+            {
+                pass(&scene, &settings, index, &mut sums);
             }
-            a
-        });
+            *parts[part].lock().unwrap_or_else(|e| e.into_inner()) = sums;
+        })
+    })?;
+    for part in parts {
+        let sums = part.into_inner().unwrap_or_else(|e| e.into_inner());
+        for (t, s) in total.as_flattened_mut().iter_mut().zip(sums.as_flattened()) {
+            *t += s;
+        }
+    }
     let mean = |x: f64| (x / passes.max(1) as f64) as f32;
-    Ok(sums.into_iter().map(|sum| sum.map(mean)).collect())
+    Ok(total.into_iter().map(|sum| sum.map(mean)).collect())
 }
 
-/// One sample of each pixel. The one place where the estimators are compiled.
-#[inline(never)]
+/// One sample of each pixel.
 fn pass(scene: &double::Scene<'_>, settings: &double::Settings, index: u64, sums: &mut [[f64; 3]]) {
     let [width, height] = scene.size();
     let mut scratch = Box::new(double::Scratch::<CAPACITY>::new());

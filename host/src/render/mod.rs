@@ -9,6 +9,7 @@ mod chains;
 mod crew;
 #[cfg(feature = "cuda")]
 mod cuda;
+#[cfg(feature = "program")]
 mod double;
 mod pilot;
 mod rates;
@@ -22,6 +23,7 @@ pub use budget::Budget;
 use budget::Spending;
 pub use chains::ChainReport;
 pub use crew::{Crew, Run};
+#[cfg(feature = "program")]
 pub use double::render_double;
 pub use pilot::{Found, pilot};
 
@@ -98,13 +100,13 @@ pub struct Progress {
 /// Why an image can't be rendered.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
-    /// The operating system gives no threads.
+    /// The operating system gives no threads, or no memory for them.
     #[error("can't start {threads} threads: {source}")]
     Threads {
         /// How many were asked for.
         threads: usize,
-        /// What rayon says.
-        source: rayon::ThreadPoolBuildError,
+        /// Why not.
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// The caller's threads left a job out.
     #[error("the caller's threads returned before every job was done")]

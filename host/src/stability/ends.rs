@@ -3,24 +3,10 @@
 macro_rules! ends {
     ($name:ident, $kernel:ident) => {
         mod $name {
-            use $kernel::random::{Purpose, Sampler, Subpath};
-            use $kernel::real::{ONE_MINUS, Real};
+            use $kernel::random::{Ends, Numbers};
+            use $kernel::real::ONE_MINUS;
             use $kernel::sensor::Element;
-            use $kernel::{Rgb, Scene, Scratch, Settings, estimate_with};
-
-            /// The same numbers over and over.
-            struct Fixed {
-                numbers: [Real; 2],
-                drawn: usize,
-            }
-
-            impl Sampler for Fixed {
-                fn at(&mut self, _: Subpath, _: u32) {}
-                fn one(&mut self, _: Purpose) -> Real {
-                    self.drawn += 1;
-                    self.numbers[self.drawn % 2]
-                }
-            }
+            use $kernel::{Rgb, Scene, Scratch, Settings};
 
             /// Values that aren't finite, or that the kernel had to reject.
             pub fn violations(scene: &Scene<'_>, settings: &Settings) -> u64 {
@@ -32,14 +18,10 @@ macro_rules! ends {
                         let mut check = |v: Rgb| {
                             bad += u64::from(v.to_array().iter().any(|x| !x.is_finite()));
                         };
-                        let sampler = &mut Fixed { numbers, drawn: 0 };
-                        let element = Element::Pixel(pixel);
-                        let own = estimate_with(
-                            scene,
-                            &scene.tree(),
+                        let own = scene.estimate_element(
                             settings,
-                            &element,
-                            sampler,
+                            &Element::Pixel(pixel),
+                            &mut Numbers::Ends(Ends::new(numbers)),
                             &mut scratch.view(scene),
                             &mut |_, v| check(v),
                         );

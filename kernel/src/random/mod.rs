@@ -117,6 +117,34 @@ impl Sampler for Pcg {
     }
 }
 
+/// Two numbers by turns: what no sequence draws in a lifetime, like nothing but 0, or the largest number below 1, to see what becomes of it.
+#[cfg(feature = "ends")]
+#[derive(Clone, Debug)]
+pub struct Ends {
+    numbers: [Real; 2],
+    second: bool,
+}
+
+#[cfg(feature = "ends")]
+impl Ends {
+    /// `numbers` in [0, 1), the first one first.
+    pub const fn new(numbers: [Real; 2]) -> Self {
+        Self {
+            numbers,
+            second: true,
+        }
+    }
+}
+
+#[cfg(feature = "ends")]
+impl Sampler for Ends {
+    fn at(&mut self, _: Subpath, _: u32) {}
+    fn one(&mut self, _: Purpose) -> Real {
+        self.second = !self.second;
+        self.numbers[usize::from(self.second)]
+    }
+}
+
 /// Where an estimate's numbers come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sequence {
@@ -136,6 +164,9 @@ pub enum Numbers {
     /// Spread evenly.
     #[cfg(feature = "sobol")]
     Sobol(Sobol),
+    /// Two by turns: no [`Sequence`], as no image comes of it.
+    #[cfg(feature = "ends")]
+    Ends(Ends),
 }
 
 impl Numbers {
@@ -157,6 +188,8 @@ impl Sampler for Numbers {
             Self::Independent(_) => (),
             #[cfg(feature = "sobol")]
             Self::Sobol(s) => s.at(subpath, vertex),
+            #[cfg(feature = "ends")]
+            Self::Ends(_) => (),
         }
         let _ = (subpath, vertex);
     }
@@ -166,6 +199,8 @@ impl Sampler for Numbers {
             Self::Independent(s) => s.one(purpose),
             #[cfg(feature = "sobol")]
             Self::Sobol(s) => s.one(purpose),
+            #[cfg(feature = "ends")]
+            Self::Ends(s) => s.one(purpose),
         }
     }
     #[inline(always)]
@@ -174,6 +209,8 @@ impl Sampler for Numbers {
             Self::Independent(s) => s.two(purpose),
             #[cfg(feature = "sobol")]
             Self::Sobol(s) => s.two(purpose),
+            #[cfg(feature = "ends")]
+            Self::Ends(s) => s.two(purpose),
         }
     }
     #[inline(always)]
@@ -186,6 +223,8 @@ impl Sampler for Numbers {
             Self::Independent(s) => work.with(s),
             #[cfg(feature = "sobol")]
             Self::Sobol(s) => work.with(s),
+            #[cfg(feature = "ends")]
+            Self::Ends(s) => work.with(s),
         }
     }
 }
