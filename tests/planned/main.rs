@@ -14,6 +14,7 @@ mod airlight;
 mod bake;
 mod panorama;
 mod quadrature;
+mod thin;
 mod trees;
 
 use etendue::estimate::{Rule, Tree};

@@ -84,7 +84,7 @@ renderer!(
     /// In single precision.
     single, etendue
 );
-#[cfg(feature = "double")]
+#[cfg(feature = "suite")]
 renderer!(
     /// In double precision.
     double, etendue_f64

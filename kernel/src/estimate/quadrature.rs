@@ -23,7 +23,7 @@ use crate::instance::Instance;
 use crate::medium::Way;
 use crate::path::{MAX_STEPS, Meeting, Trace, Vertex};
 use crate::random::{Purpose, Sampler};
-use crate::real::{Real, Vec3, atan2, gamma, square, tan, vec3};
+use crate::real::{Real, Vec3, atan2, square, tan, vec3};
 use crate::sensor::Element;
 use crate::shape::{Ray, Tracer};
 use crate::spectrum::Spectrum;
@@ -201,8 +201,8 @@ impl<S: Spectrum> Sum<'_, S> {
             mut medium,
         } = line;
         let mut numbers = Numbers(sampler.one(Purpose::Flight));
-        let meeting = trace.straight(ray, &mut medium, sampler, |trace, way, medium| {
-            let scattered = self.way(trace, way, medium, further, &mut numbers);
+        let meeting = trace.straight(ray, &mut medium, sampler, |trace, way, medium, margin| {
+            let scattered = self.way(trace, way, (medium, margin), further, &mut numbers);
             self.radiance += throughput * scattered;
             throughput *= way.exact();
         });
@@ -323,26 +323,28 @@ impl<S: Spectrum> Sum<'_, S> {
     }
 
     /// What the way through `medium` sends back along itself: what it emits and, if `further`, what it scatters of point, spot
-    /// and directional lights.
+    /// and directional lights. `margin` before its end a point is certainly still inside.
     #[inline(never)]
     fn way<T: Tracer, K: Instance<S = S>>(
         &mut self,
         trace: &mut Trace<'_, '_, T, K>,
         way: &Way<'_, '_, S>,
-        medium: u32,
+        (medium, margin): (u32, Real),
         further: bool,
         sampler: &mut impl Sampler,
     ) -> S {
         let Some((start, end)) = way.extent() else {
             return S::BLACK;
         };
+        // What ends the way is as far as rounding says; no node may lie behind it, where other lights shine.
+        let inside = (end - margin).max(0.5 * (start + end));
         let steps = self.rule.steps.max(1);
         let part = shift(self.rule, sampler);
         let mut found = S::BLACK;
         if let Some(glow) = way.shine() {
             found += glow;
         } else if let Some(even) = Steps::even(start, end) {
-            found += self.trapezoid(way, (start, end), &even, steps, part, |_, t| {
+            found += self.trapezoid(way, (start, end, inside), &even, steps, part, |_, t| {
                 Some(way.emission(t))
             });
         }
@@ -363,7 +365,7 @@ impl<S: Spectrum> Sum<'_, S> {
             };
             let Some(nodes) = nodes else { continue };
             let probability = emitter::probability(&scene, choice);
-            found += self.trapezoid(way, (start, end), &nodes, steps, part, |x, t| {
+            found += self.trapezoid(way, (start, end, inside), &nodes, steps, part, |x, t| {
                 let (_, scattering) = way.matter(t);
                 if scattering.is_black() {
                     return None;
@@ -390,7 +392,7 @@ impl<S: Spectrum> Sum<'_, S> {
     fn trapezoid(
         &mut self,
         way: &Way<'_, '_, S>,
-        (start, end): (Real, Real),
+        (start, end, inside): (Real, Real, Real),
         nodes: &Steps,
         steps: u16,
         part: Real,
@@ -400,14 +402,6 @@ impl<S: Spectrum> Sum<'_, S> {
         let mut through = S::WHITE;
         let mut before = 0.0;
         let inverse = 1.0 / Real::from(steps);
-        // What ends the way is as far as rounding says; the last node must not lie behind it, where other lights shine.
-        let far = way.ray.origin + way.ray.direction * end;
-        let margin = gamma(32) * (far.abs().max_element() + end);
-        let inside = if margin.is_finite() {
-            end - margin
-        } else {
-            end
-        };
         // Ends count half, but not where all is shifted.
         let last = if self.rule.shift { steps - 1 } else { steps };
         for i in 0..=last {

@@ -122,8 +122,8 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
         }
     }
 
-    /// The first surface that stops `ray`, whatever fills the space before it: `on_way` is told of every way through a medium, and `medium`
-    /// becomes the one in front of that surface.
+    /// The first surface that stops `ray`, whatever fills the space before it: `on_way` is told of every way through a medium and of how far before
+    /// its end a point is certainly still inside, and `medium` becomes the one in front of that surface.
     #[cfg_attr(not(feature = "quadrature"), allow(dead_code))]
     #[inline(always)]
     pub fn straight(
@@ -131,7 +131,7 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
         mut ray: Ray,
         medium: &mut u32,
         sampler: &mut impl Sampler,
-        mut on_way: impl FnMut(&mut Self, &Way<'t, 'a, K::S>, u32),
+        mut on_way: impl FnMut(&mut Self, &Way<'t, 'a, K::S>, u32, Real),
     ) -> Meeting<K::S> {
         let mut distance = 0.0;
         loop {
@@ -142,7 +142,10 @@ impl<'t, 'a, T: Tracer, K: Instance> Trace<'t, 'a, T, K> {
             if K::MEDIA
                 && let Some(way) = self.way(&ray, end, *medium)
             {
-                on_way(self, &way, *medium);
+                let margin = found.map_or(0.0, |(point, _)| {
+                    point.offset / ray.direction.dot(point.normal).abs()
+                });
+                on_way(self, &way, *medium, margin);
             }
             let Some((point, t)) = found else {
                 return Meeting::Escaped;

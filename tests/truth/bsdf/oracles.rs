@@ -1,12 +1,14 @@
 //! Albedos to be met: P23 (Phong), P24 (microfacets), P20's varnish (plastic).
 
 use super::energy::albedo;
-use super::kernel::real::Real;
+use super::kernel::real::{Real, Vec3};
 use super::kernel::spectrum::{Rgb, Spectrum};
 use super::kernel::surface::curve::Curve;
 use super::kernel::surface::microfacet::Masking;
-use super::kernel::surface::{Diffuse, Mode, Outlined, Phong, Plastic, RoughConductor, Surface};
-use super::zoo::{Random, Specimen, channels, direction, facets};
+use super::kernel::surface::{
+    Diffuse, Local, Mode, Outlined, Phong, Plastic, RoughConductor, Surface,
+};
+use super::zoo::{All, Random, Specimen, channels, direction, facets};
 use etendue_tests::oracles::oracles;
 use etendue_tests::statistics::{Family, Moments, chi_square};
 use std::f64::consts::{PI, TAU};
@@ -77,6 +79,40 @@ fn phong_albedos_by_quadrature() {
         let w = direction((oracle.parameter("degrees") * PI / 180.0).cos(), 0.3);
         let got = albedo(&specimen(phong(n)), w)[0];
         assert!((got - oracle.value).abs() < 1e-4, "{}: {got}", oracle.id);
+    }
+}
+
+/// Where cosines near 1 have no digits left in single precision: lobes of exponents 10⁴ and 10⁵ are (n+2)/2π high, half as high at the half-power
+/// angle; and half of all draws lie within the angle of ξ = 1/2.
+#[test]
+#[allow(clippy::useless_conversion)] // not useless in single precision
+fn narrow_lobes_of_phong() {
+    let up = Vec3::new(0.0, 0.0, 1.0);
+    let at = |angle: f64| direction(angle.cos(), 0.0);
+    for oracle in oracles("P23_phong", "phong_pdf_peak") {
+        let n = oracle.parameter("n");
+        let lobe = |w| channels(phong(n).of::<All>().eval(up, w))[0];
+        let peak = (n + 2.0) / TAU;
+        let [top, half] = [lobe(up), lobe(at(oracle.value))].map(|f| f / peak);
+        // An angle of 4e-3 is a step of 6e-8 in single precision's sine: 3e-5 of the square of it, times n·angle² = 2 ln 2.
+        assert!((top - 1.0).abs() < 1e-5, "{}: {top}", oracle.id);
+        assert!((half - 0.5).abs() < 5e-5, "{}: {half}", oracle.id);
+    }
+    for oracle in oracles("P23_phong", "phong_sample") {
+        let surface = phong(oracle.parameter("n"));
+        let xi = oracle.parameter("xi") as Real;
+        let drawn = surface
+            .of::<All>()
+            .sample(up, Mode::Radiance, 0.5, [xi, 0.25]);
+        let wi = drawn.unwrap().wi;
+        // 1 − cos by the sine, which has its digits.
+        let sin2 = f64::from(wi.x).powi(2) + f64::from(wi.y).powi(2);
+        let found = sin2 / (1.0 + (1.0 - sin2).sqrt());
+        assert!(
+            (found / oracle.value - 1.0).abs() < 1e-5,
+            "{}: {found}",
+            oracle.id
+        );
     }
 }
 
