@@ -341,8 +341,15 @@ fn glowing(
             emission *= volume / edges.determinant();
         }
     }
-    if corner.abs().max_element() > f64::from(MAX_COORDINATE) {
-        return Err("a medium that emits must lie within 1e12".into());
+    let far = |v: DVec3| v.abs().max_element() > f64::from(MAX_COORDINATE);
+    if far(corner)
+        || [edges.x_axis, edges.y_axis, edges.z_axis]
+            .into_iter()
+            .any(far)
+    {
+        return Err(
+            "a medium that emits must lie within 1e12, and no edge of its box be longer".into(),
+        );
     }
     let volume = edges.determinant().abs();
     if volume < 1e-37 {

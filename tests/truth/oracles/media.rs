@@ -3,7 +3,7 @@
 //! An infinite slab is a square column between perfect mirrors. By reciprocity what it returns of a beam along the normal is
 //! the radiance seen along the normal under a uniform light from that side.
 
-use super::{Ask, ORACLES, ask, ask_by, mean_by, single_by, sky};
+use super::{Ask, ORACLES, ask, ask_by, check, mean_by, single_by, sky};
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::{EmitterKind, Grid, GridValues, Medium, Phase, Tracking};
@@ -297,6 +297,16 @@ fn endless_slabs() {
         let (bytes, what) = (slab.blob(), slab.what(id));
         ask_by(&path, &bytes, id, what, samples, None, precision);
     }
+}
+
+/// Ten thousand free paths of matter that absorbs nothing: diffuse light scatters 2τ times on average, and one path in 7500 gets through.
+#[test]
+#[ignore = "deep: minutes, in single precision alone"]
+fn the_thickest_slab() {
+    let id = "thick_cons_tau10000_UTU";
+    let slab = Slab::new(1e4, 1.0, 0.0);
+    let found = mean_by(Estimator::Path, &slab.blob(), slab.what(id), 16_000);
+    check(id, "single", found, 0.1);
 }
 
 /// Two layers, of fog over milk; lit by a uniform lamp above, or by the sun from below.
