@@ -9,7 +9,7 @@ use etendue::random::{Pcg, Purpose, Sampler};
 use etendue::shape::IsaKind;
 use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
-use etendue_host::render::{Budget, Device, Options, render};
+use etendue_host::render::{Budget, Crew, Device, Options, render, render_double};
 use etendue_host::scene::{Changes, prepare};
 use etendue_tests::bits::hash;
 use etendue_tests::render::blob;
@@ -272,4 +272,21 @@ fn refusals_have_reasons() {
             .problem(),
         Problem::Misaligned
     );
+}
+
+/// Double precision has no integer sums: the parts of its image are added in the same order whoever made them.
+#[test]
+fn double_precision_has_the_same_bits_on_any_number_of_threads() {
+    let settings = Settings {
+        estimator: Estimator::Bidirectional,
+        ..Settings::default()
+    };
+    let (_, room) = &scenes()[2];
+    let image = |threads| {
+        let crew = Crew::Own(threads);
+        let image = render_double(room.bytes(), &settings, 40, crew, &AtomicBool::new(false));
+        hash(image.unwrap().as_flattened())
+    };
+    assert_eq!(image(1), image(2));
+    assert_eq!(image(1), image(3));
 }
