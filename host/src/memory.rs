@@ -36,7 +36,7 @@ pub fn attempt<T>(count: usize) -> Result<Vec<T>, TryReserveError> {
 }
 
 /// Stack of a thread, in bytes.
-pub const STACK: usize = 2 << 20;
+pub(crate) const STACK: usize = 2 << 20;
 /// What else a thread takes as it starts, in bytes, and a few times that: guard pages, a stack for signals, its name and its queue.
 const BESIDE: usize = 256 << 10;
 
@@ -45,7 +45,7 @@ const BESIDE: usize = 256 << 10;
 ///
 /// # Errors
 /// If there is not so much memory.
-pub fn room_for_threads(count: usize) -> Result<(), TryReserveError> {
+pub(crate) fn room_for_threads(count: usize) -> Result<(), TryReserveError> {
     attempt::<u8>(count.saturating_mul(STACK + BESIDE)).map(drop)
 }
 

@@ -1,9 +1,9 @@
 //! Light of a point, scattered once on the way to a wall (`tests/data/airlight.json`): values, and the errors of the rule itself.
 
 use etendue_host::blob::AlignedBlob;
-use etendue_host::description::{EmitterKind, Phase};
+use etendue_host::description::EmitterKind;
 use etendue_tests::render::blob;
-use etendue_tests::scenes::Builder;
+use etendue_tests::scenes::{Builder, phase};
 use glam::{DVec3, Vec3};
 use serde_json::Value;
 use std::sync::LazyLock;
@@ -24,11 +24,7 @@ fn number(o: &Value, name: &str) -> f64 {
 fn scene(o: &Value) -> AlignedBlob {
     let mut b = Builder::new();
     let (sigma, albedo, g) = (number(o, "sigma_t"), number(o, "albedo"), number(o, "g"));
-    let phase = if g == 0.0 {
-        Phase::Isotropic
-    } else {
-        Phase::HenyeyGreenstein { g: g as f32 }
-    };
+    let phase = phase(g as f32);
     let fog = b.medium([sigma as f32; 3], [albedo as f32; 3], phase);
     b.fog([-40.0; 3], [40.0; 3], fog);
     if let Some(x) = o["wall"].as_f64() {

@@ -255,6 +255,15 @@ impl Builder {
     }
 }
 
+/// Henyey and Greenstein's phase function, or the isotropic one that it is for g = 0.
+pub fn phase(g: f32) -> Phase {
+    if g == 0.0 {
+        Phase::Isotropic
+    } else {
+        Phase::HenyeyGreenstein { g }
+    }
+}
+
 /// A trilinear grid of one channel: `value` of each texel's place in the unit cube.
 pub fn grid(size: [u32; 3], value: impl Fn(V) -> f32) -> Grid {
     let place = |i: u32, n: u32| (i as f32 + 0.5) / n as f32;

@@ -3,9 +3,8 @@
 use crate::arguments::{Sized32, optional};
 use crate::boundary::Trouble;
 use etendue::capi::status::{ETD_E_ARGUMENT, ETD_E_THREADS, EtdStatus};
-use etendue_host::memory::{STACK, room_for_threads};
+use etendue_host::render::on_threads;
 use std::ffi::{CString, c_char, c_void};
-use std::fmt::Display;
 
 /// Something went wrong; the call returns an error.
 pub const ETD_LOG_ERROR: u32 = 0;
@@ -75,13 +74,7 @@ impl EtdHost {
 
     /// Runs `work`, whose parallel parts stay on threads of this call: the global pool is never started.
     pub(crate) fn work<R: Send>(&self, work: impl FnOnce() -> R + Send) -> Result<R, Trouble> {
-        let refused =
-            |e: &dyn Display| Trouble::new(ETD_E_THREADS, format!("can't start threads: {e}"));
-        room_for_threads(self.threads as usize).map_err(|e| refused(&e))?;
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads as usize)
-            .stack_size(STACK)
-            .build_scoped(|thread| thread.run(), |pool| pool.install(work))
-            .map_err(|e| refused(&e))
+        on_threads(self.threads as usize, work)
+            .map_err(|e| Trouble::new(ETD_E_THREADS, format!("can't start threads: {e}")))
     }
 }

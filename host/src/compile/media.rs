@@ -341,12 +341,8 @@ fn glowing(
             emission *= volume / edges.determinant();
         }
     }
-    let far = |v: DVec3| v.abs().max_element() > f64::from(MAX_COORDINATE);
-    if far(corner)
-        || [edges.x_axis, edges.y_axis, edges.z_axis]
-            .into_iter()
-            .any(far)
-    {
+    let mut numbers = corner.to_array().into_iter().chain(edges.to_cols_array());
+    if numbers.any(|x| x.abs() > f64::from(MAX_COORDINATE)) {
         return Err(
             "a medium that emits must lie within 1e12, and no edge of its box be longer".into(),
         );

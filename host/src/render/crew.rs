@@ -3,6 +3,7 @@
 use super::RenderError;
 use crate::memory::{STACK, room_for_threads};
 use rayon::prelude::*;
+use std::error::Error;
 use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::available_parallelism;
@@ -28,32 +29,42 @@ impl Crew<'_> {
     ) -> Result<R, RenderError> {
         match self {
             Self::Callers(run) => work(run),
-            Self::Own(threads) => {
-                let threads = match threads {
-                    0 => available_parallelism().map_or(1, NonZero::get),
-                    n => n,
-                };
-                let refused = |source| RenderError::Threads { threads, source };
-                room_for_threads(threads).map_err(|e| refused(e.into()))?;
-                // A pool that isn't the global one and whose threads don't outlive the call.
-                rayon::ThreadPoolBuilder::new()
-                    .num_threads(threads)
-                    .stack_size(STACK)
-                    .build_scoped(
-                        |thread| thread.run(),
-                        |pool| {
-                            pool.install(|| {
-                                work(&|jobs, job| {
-                                    let jobs = (0..jobs).into_par_iter().with_max_len(1);
-                                    jobs.for_each(job);
-                                })
-                            })
-                        },
-                    )
-                    .map_err(|e| refused(e.into()))?
-            }
+            Self::Own(threads) => on_threads(threads, || {
+                work(&|jobs, job| {
+                    let jobs = (0..jobs).into_par_iter().with_max_len(1);
+                    jobs.for_each(job);
+                })
+            })
+            .map_err(|source| RenderError::Threads {
+                threads: counted(threads),
+                source,
+            })?,
         }
     }
+}
+
+/// How many threads are meant: 0 is one per core.
+fn counted(threads: usize) -> usize {
+    match threads {
+        0 => available_parallelism().map_or(1, NonZero::get),
+        n => n,
+    }
+}
+
+/// Does `work`, whose parallel parts run on so many threads of its own (0: one per core), and ends them. The global pool is never started.
+///
+/// # Errors
+/// If the operating system gives no threads, or no memory for them.
+pub fn on_threads<R: Send>(
+    threads: usize,
+    work: impl FnOnce() -> R + Send,
+) -> Result<R, Box<dyn Error + Send + Sync>> {
+    let threads = counted(threads);
+    room_for_threads(threads)?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .stack_size(STACK);
+    Ok(pool.build_scoped(|thread| thread.run(), |pool| pool.install(work))?)
 }
 
 /// Runs `jobs` jobs, each once, whatever `run` does.

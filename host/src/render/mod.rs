@@ -22,7 +22,7 @@ pub use bake::{Bake, BakeError, Baked, bake};
 pub use budget::Budget;
 use budget::Spending;
 pub use chains::ChainReport;
-pub use crew::{Crew, Run};
+pub use crew::{Crew, Run, on_threads};
 #[cfg(feature = "program")]
 pub use double::render_double;
 pub use pilot::{Found, pilot};

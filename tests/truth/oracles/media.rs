@@ -8,7 +8,7 @@ use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::{EmitterKind, Grid, GridValues, Medium, Phase, Tracking};
 use etendue_tests::render::blob;
-use etendue_tests::scenes::Builder;
+use etendue_tests::scenes::{Builder, phase};
 use etendue_tests::takes;
 use std::panic::catch_unwind;
 
@@ -50,11 +50,7 @@ impl Slab {
         // The light from above; below it is dark.
         b.quad([0.0, 0.0, 1.5], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], None)
             .emission = Some([1.0; 3]);
-        let phase = if self.g == 0.0 {
-            Phase::Isotropic
-        } else {
-            Phase::HenyeyGreenstein { g: self.g }
-        };
+        let phase = phase(self.g);
         let matter = Medium {
             sigma_t: [self.tau / self.scale; 3],
             albedo: [self.albedo; 3],
@@ -383,11 +379,7 @@ fn half_spaces() {
 /// Fog that fills everything, seen along a ray that ends at a black wall.
 fn fog(sigma_t: f32, albedo: f32, g: f32) -> Builder {
     let mut b = Builder::new();
-    let phase = if g == 0.0 {
-        Phase::Isotropic
-    } else {
-        Phase::HenyeyGreenstein { g }
-    };
+    let phase = phase(g);
     let fog = b.medium([sigma_t; 3], [albedo; 3], phase);
     b.fog([-200.0; 3], [200.0; 3], fog);
     b
