@@ -4,7 +4,7 @@ use super::arguments::{Sized32, input, optional, slice, slice_mut};
 use super::control::Control;
 use super::film::EtdSum;
 #[cfg(feature = "capi")]
-use super::foreign::{Foreign, Numbers};
+use super::foreign::{Numbers, Rays};
 use super::hooks::{EtdHooks, direction, position};
 use super::scene::{EtdScene, scene};
 use super::scratch::{EtdScratch, scratch};
@@ -105,12 +105,10 @@ impl Call<'_> {
         #[cfg(not(feature = "capi"))]
         let numbers = &mut settings.numbers(id, index);
         #[cfg(feature = "capi")]
-        if self.hooks.closest.is_some() {
-            let own = &Foreign(&self.hooks);
-            return estimate_with(scene, own, settings, element, numbers, scratch, splat);
-        }
-        let tree = &scene.tree();
-        estimate_with(scene, tree, settings, element, numbers, scratch, splat)
+        let rays = &Rays::new(&self.hooks, scene);
+        #[cfg(not(feature = "capi"))]
+        let rays = &scene.tree();
+        estimate_with(scene, rays, settings, element, numbers, scratch, splat)
     }
 
     /// The mean of samples `first` … `first + samples` of one element.

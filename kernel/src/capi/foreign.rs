@@ -1,13 +1,45 @@
 //! The caller's own ray tracer and random numbers as the kernel's (feature `capi`, not `capi-core`).
 
 use super::hooks::{EtdHit, EtdHooks, EtdRay};
+use crate::blob::Scene;
 use crate::estimate::Settings;
 use crate::random::{self, Purpose, Sampler, Subpath};
 use crate::real::{ONE_MINUS, Real};
-use crate::shape::{Hit, Ray, Tracer};
+use crate::shape::{Hit, Ray, Tracer, Tree};
 
-/// The caller's ray tracer.
-pub(super) struct Foreign<'h>(pub &'h EtdHooks);
+/// The caller's ray tracer, or ours. Asked at every ray, as [`Tree`] asks for its instruction set: the estimators are compiled once for both.
+pub(super) enum Rays<'h> {
+    Own(Tree<'h>),
+    Foreign(&'h EtdHooks),
+}
+
+impl<'h> Rays<'h> {
+    /// The caller's, if there is one; otherwise the scene's.
+    pub(super) fn new(hooks: &'h EtdHooks, scene: &Scene<'h>) -> Self {
+        if hooks.closest.is_some() {
+            Rays::Foreign(hooks)
+        } else {
+            Rays::Own(scene.tree())
+        }
+    }
+}
+
+impl Tracer for Rays<'_> {
+    #[inline(always)]
+    fn closest(&self, ray: &Ray) -> Option<Hit> {
+        match self {
+            Rays::Own(tree) => tree.closest(ray),
+            Rays::Foreign(hooks) => closest(hooks, ray),
+        }
+    }
+    #[inline(always)]
+    fn occluded(&self, ray: &Ray) -> bool {
+        match self {
+            Rays::Own(tree) => tree.occluded(ray),
+            Rays::Foreign(hooks) => occluded(hooks, ray),
+        }
+    }
+}
 
 fn outward(ray: &Ray) -> EtdRay {
     EtdRay {
@@ -20,36 +52,36 @@ fn outward(ray: &Ray) -> EtdRay {
     }
 }
 
-impl Tracer for Foreign<'_> {
-    fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let closest = self.0.closest?;
-        let mut hit = EtdHit {
-            struct_size: size_of::<EtdHit>() as u32,
-            primitive: u32::MAX,
-            t: 0.0,
-            u: 0.0,
-            v: 0.0,
-        };
-        // SAFETY: the caller's function, called as it is documented, with a ray and a hit that live.
-        let found = unsafe { closest(self.0.user, &outward(ray), &mut hit) } != 0;
-        // NaN is in no range.
-        let inside = hit.t > ray.t_min && hit.t < ray.t_max;
-        let unit = |x: Real| if x > 0.0 { x.min(1.0) } else { 0.0 };
-        let u = unit(hit.u);
-        (found && inside).then(|| Hit {
-            t: hit.t,
-            primitive: hit.primitive,
-            u,
-            v: unit(hit.v).min(1.0 - u),
-        })
-    }
+#[inline(never)]
+fn closest(hooks: &EtdHooks, ray: &Ray) -> Option<Hit> {
+    let closest = hooks.closest?;
+    let mut hit = EtdHit {
+        struct_size: size_of::<EtdHit>() as u32,
+        primitive: u32::MAX,
+        t: 0.0,
+        u: 0.0,
+        v: 0.0,
+    };
+    // SAFETY: the caller's function, called as it is documented, with a ray and a hit that live.
+    let found = unsafe { closest(hooks.user, &outward(ray), &mut hit) } != 0;
+    // NaN is in no range.
+    let inside = hit.t > ray.t_min && hit.t < ray.t_max;
+    let unit = |x: Real| if x > 0.0 { x.min(1.0) } else { 0.0 };
+    let u = unit(hit.u);
+    (found && inside).then(|| Hit {
+        t: hit.t,
+        primitive: hit.primitive,
+        u,
+        v: unit(hit.v).min(1.0 - u),
+    })
+}
 
-    fn occluded(&self, ray: &Ray) -> bool {
-        self.0.occluded.is_some_and(|occluded| {
-            // SAFETY: the caller's function, called as it is documented, with a ray that lives.
-            unsafe { occluded(self.0.user, &outward(ray)) != 0 }
-        })
-    }
+#[inline(never)]
+fn occluded(hooks: &EtdHooks, ray: &Ray) -> bool {
+    hooks.occluded.is_some_and(|occluded| {
+        // SAFETY: the caller's function, called as it is documented, with a ray that lives.
+        unsafe { occluded(hooks.user, &outward(ray)) != 0 }
+    })
 }
 
 /// The caller's random numbers, or ours.
