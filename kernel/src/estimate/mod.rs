@@ -189,6 +189,7 @@ impl Scene<'_> {
     ///
     /// `index` counts the samples of a pixel. Values are finite, and ≥ 0 but for scenes with wavelengths ([`needs`](crate::blob::format::needs)`::SPECTRAL`): one
     /// wavelength is beyond sRGB's gamut, so that channels of single samples are negative there.
+    #[inline]
     pub fn estimate<const N: usize>(
         &self,
         settings: &Settings,
@@ -205,6 +206,7 @@ impl Scene<'_> {
     /// One sample of the radiance that arrives at `origin` from `direction` (unit). `id` and `index`
     /// select the random numbers: the same pair gives the same bits. A light walk can't meet a ray, so
     /// [`Estimator::Light`] is answered by [`Estimator::Path`].
+    #[inline]
     pub fn radiance<const N: usize>(
         &self,
         settings: &Settings,
@@ -222,6 +224,7 @@ impl Scene<'_> {
 
     /// One sample of the irradiance at `position` on the side of `normal` (unit): a texel of a light
     /// map, a probe. The position may lie on the scene's geometry.
+    #[inline]
     pub fn irradiance<const N: usize>(
         &self,
         settings: &Settings,
