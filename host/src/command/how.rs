@@ -1,6 +1,6 @@
 //! The flags that say how light is estimated, for all commands that do it.
 
-use crate::render::{Found, pilot};
+use crate::render::{Crew, Found, RenderError, pilot};
 use clap::ValueEnum;
 use etendue::estimate::{LEVELS, Mutations, Rule, Tree};
 use etendue::random::Sequence;
@@ -135,19 +135,26 @@ fn share(text: &str) -> Result<f32, String> {
 }
 
 impl How {
-    /// Lets a pilot choose the estimator, if none is named; says why, in one line.
-    pub fn choose(&self, settings: &mut Settings, scene: &Scene<'_>) -> Option<String> {
+    /// Lets a pilot on so many threads (0: one per core) choose the estimator, if none is named; says why, in one line.
+    pub fn choose(
+        &self,
+        settings: &mut Settings,
+        scene: &Scene<'_>,
+        threads: usize,
+    ) -> Result<Option<String>, RenderError> {
         if self.estimator != EstimatorName::Auto {
-            return None;
+            return Ok(None);
         }
-        let found = pilot(scene, settings);
-        let best = found.first()?;
+        let found = pilot(scene, settings, Crew::Own(threads))?;
+        let Some(best) = found.first() else {
+            return Ok(None);
+        };
         settings.estimator = best.estimator;
         let Some(second) = found.get(1) else {
             let name = name(best.estimator);
-            return Some(format!(
+            return Ok(Some(format!(
                 "{name}: the other one can't make all of this scene's light"
-            ));
+            )));
         };
         let of = |f: &Found| {
             format!(
@@ -157,13 +164,13 @@ impl How {
                 f.cost
             )
         };
-        Some(format!(
+        Ok(Some(format!(
             "{}: by a pilot {:.2} times as efficient ({}; {})",
             name(best.estimator),
             best.efficiency() / second.efficiency(),
             of(best),
             of(second)
-        ))
+        )))
     }
 
     /// The kernel's settings; `auto` is `path`, unless [`Self::choose`] is asked. With what the scene's file advises on the length of paths.

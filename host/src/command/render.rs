@@ -6,7 +6,7 @@ use super::screen::Screen;
 use super::{Failure, print, warn};
 use crate::develop::{Linear, Output, write};
 use crate::reach::unreachable;
-use crate::render::{Budget, CONFIDENCE, Device, Options, Progress, Rendered, render};
+use crate::render::{Budget, CONFIDENCE, Device, Options, Progress, RenderError, Rendered, render};
 use crate::scene::{Changes, prepare};
 use clap::ValueEnum;
 use etendue::Scene;
@@ -145,14 +145,17 @@ impl Render {
         }
         let scene = Scene::open(prepared.blob.bytes()).map_err(|e| e.to_string())?;
         let mut settings = self.how.settings(prepared.advice.max_depth);
-        let chosen = self.how.choose(&mut settings, &scene);
+        let failed = |e: RenderError| format!("{}: {e}", self.scene.display());
+        let threads = self.threads.unwrap_or(0) as usize;
+        let chosen = self.how.choose(&mut settings, &scene, threads);
+        let chosen = chosen.map_err(failed)?;
         if let Some(why) = chosen.as_ref().filter(|_| !self.quiet) {
             eprintln!("{why}");
         }
         let options = Options {
             settings,
             budget: self.budget(prepared.advice.samples),
-            threads: self.threads.unwrap_or(0) as usize,
+            threads,
             device: match self.device {
                 DeviceName::Cpu => Device::Cpu,
                 DeviceName::Cuda => Device::Cuda,
@@ -162,8 +165,7 @@ impl Render {
         let bar = self.progress_bar();
         let started = Instant::now();
         let watch = |p: Progress| show(&bar, p, started.elapsed());
-        let rendered = render(&scene, &options, &stop, &watch)
-            .map_err(|e| format!("{}: {e}", self.scene.display()))?;
+        let rendered = render(&scene, &options, &stop, &watch).map_err(failed)?;
         bar.finish_and_clear();
         let image = Linear {
             size: rendered.size,

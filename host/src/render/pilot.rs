@@ -10,10 +10,12 @@
 //! The second part is what splats add: those that a pixel receives come from as many light walks as the image has pixels, each of which seldom hits it, and the
 //! variance of such a sum is that of a compound Poisson variable. One pass has a walk for each pixel, so that the mean over pixels is that over walks. Efficiency is 1/(MSE × cost). Pilot samples have numbers of their own and don't enter the image.
 
-use super::CAPACITY;
+use super::crew::{Crew, each_once};
+use super::{CAPACITY, RenderError};
 use crate::reach::unreachable;
 use etendue::random::{Pcg, Purpose, Sampler, Sequence};
 use etendue::{Estimator, Rgb, Scene, Scratch, Settings};
+use std::sync::OnceLock;
 
 /// Who competes, unless one makes light that the other can't: those that make all light of most scenes, and whose samples are independent. Chains' aren't, and a short pilot can't tell how much they
 /// depend on each other.
@@ -44,7 +46,14 @@ impl Found {
 }
 
 /// What the pilot found of all candidates, the best first; ties in their own order.
-pub fn pilot(scene: &Scene<'_>, settings: &Settings) -> Vec<Found> {
+///
+/// # Errors
+/// If there are no threads.
+pub fn pilot(
+    scene: &Scene<'_>,
+    settings: &Settings,
+    crew: Crew<'_>,
+) -> Result<Vec<Found>, RenderError> {
     // The variance of a sample is that of independent ones: Sobol' points know of each other.
     let with = |estimator| Settings {
         estimator,
@@ -54,19 +63,17 @@ pub fn pilot(scene: &Scene<'_>, settings: &Settings) -> Vec<Found> {
     // Light that is left out has no error. What bidirectional leaves out, path does.
     let complete =
         |e: Estimator| e == Estimator::Bidirectional || unreachable(scene, &with(e)).is_empty();
-    let candidates = CANDIDATES.into_iter().filter(|&e| complete(e));
-    let mut all: Vec<Found> = std::thread::scope(|threads| {
-        let pilots: Vec<_> = candidates
-            .map(|e| threads.spawn(move || found(scene, &with(e))))
-            .collect();
-        // What panicked there goes on here.
-        let result = |pilot: std::thread::ScopedJoinHandle<'_, Found>| {
-            pilot
-                .join()
-                .unwrap_or_else(|p| std::panic::resume_unwind(p))
-        };
-        pilots.into_iter().map(result).collect()
-    });
+    let candidates: Vec<_> = CANDIDATES.into_iter().filter(|&e| complete(e)).collect();
+    let pilots: Vec<_> = candidates.iter().map(|_| OnceLock::new()).collect();
+    crew.employ(|run| {
+        each_once(run, pilots.len(), &|i| {
+            let _ = pilots[i].set(found(scene, &with(candidates[i])));
+        })
+    })?;
+    let mut all: Vec<Found> = pilots
+        .into_iter()
+        .filter_map(OnceLock::into_inner)
+        .collect();
     // Stable, and NaN (no error at no cost) counts as the best there is.
     let rank = |f: &Found| {
         if f.mse > 0.0 {
@@ -76,7 +83,7 @@ pub fn pilot(scene: &Scene<'_>, settings: &Settings) -> Vec<Found> {
         }
     };
     all.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
-    all
+    Ok(all)
 }
 
 fn found(scene: &Scene<'_>, settings: &Settings) -> Found {
