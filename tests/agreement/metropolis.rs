@@ -7,6 +7,7 @@ use etendue_host::blob::AlignedBlob;
 use etendue_host::description::Description;
 use etendue_host::render::{Budget, Device, Options, Rendered, render};
 use etendue_tests::render::blob;
+use etendue_tests::{deep, samples, takes};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicBool;
 
@@ -38,11 +39,7 @@ fn rendered(bytes: &AlignedBlob, seed: u64, passes: u64, threads: usize, large: 
 /// The means of blocks, as [`super::of_blob`] gives them, from independent renders.
 fn blocks(d: &Description) -> Vec<Estimate> {
     let bytes = blob(d);
-    let passes = if etendue_tests::deep() {
-        4 * PASSES
-    } else {
-        PASSES
-    };
+    let passes = if deep() { 4 * PASSES } else { PASSES };
     let runs: Vec<Vec<f64>> = (0..RUNS)
         .into_par_iter()
         .map(|seed| {
@@ -71,7 +68,8 @@ fn agree(scenes: Vec<(&'static str, Description, Complete)>) {
     const T: f64 = 7.5;
     for (name, d, _) in &scenes {
         println!("{name}");
-        let truth = estimates(d, Estimator::Bidirectional, Heuristic::Power, None, 24);
+        let passes = samples(24);
+        let truth = estimates(d, Estimator::Bidirectional, Heuristic::Power, None, passes);
         let chains = blocks(d);
         let mut spread = 0.0;
         for (i, (x, y)) in chains.iter().zip(&truth).enumerate() {
@@ -86,9 +84,11 @@ fn agree(scenes: Vec<(&'static str, Description, Complete)>) {
     }
 }
 
-/// Some of each: chains change nothing in what surfaces, lights and media are.
+/// One in `step`, or all if tests are to be deep: chains change nothing in what surfaces, lights and media are.
 fn some(scenes: Vec<(&'static str, Description, Complete)>, step: usize) {
-    agree(scenes.into_iter().step_by(step).collect());
+    let numbered = scenes.into_iter().enumerate();
+    let taken = numbered.filter(|(i, _)| takes(*i, step));
+    agree(taken.map(|(_, scene)| scene).collect());
 }
 
 #[test]
@@ -105,26 +105,9 @@ fn by_all_lights_and_sensors() {
 
 #[test]
 fn in_media() {
-    some(media::fogs(), 2);
-    some(media::boundaries(), 2);
-    some(media::flames(), 2);
-}
-
-/// All of them: minutes. `cargo test --release -- --ignored everywhere`
-#[test]
-#[ignore = "deep"]
-fn everywhere() {
-    for scenes in [
-        scenes::objects(),
-        scenes::glossy(),
-        scenes::lights(),
-        scenes::sensors(),
-    ] {
-        agree(scenes);
-    }
-    for scenes in [media::fogs(), media::boundaries(), media::flames()] {
-        agree(scenes);
-    }
+    some(media::fogs(), 3);
+    some(media::boundaries(), 3);
+    some(media::flames(), 3);
 }
 
 #[test]

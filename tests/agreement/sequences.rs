@@ -1,13 +1,15 @@
 //! Sobol' points give what independent numbers give, with less noise.
 
 use super::{
-    BATCHES, BLOCKS, Complete, Description, assert_agree, estimates, media, scenes, spectra,
+    BATCHES, BLOCKS, Complete, Description, NOISE, assert_agree_up_to, estimates, media, scenes,
+    spectra,
 };
 use etendue::random::Sequence;
 use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 use etendue_host::scene::{Changes, prepare};
 use etendue_tests::place::root;
 use etendue_tests::render::{Estimate, blob, single};
+use etendue_tests::{noise, samples};
 use rayon::prelude::*;
 
 /// Blocks by Sobol' points. Samples of a pixel depend on each other: batches differ by seed.
@@ -39,14 +41,16 @@ fn sobol_is_unbiased() {
     all.push(spectra::dispersing());
     for (name, d, complete) in &all {
         println!("{name}");
-        let truth = estimates(d, Estimator::Path, Heuristic::Power, None, 40);
-        for estimator in [Estimator::Path, Estimator::Bidirectional] {
-            let sobol = by_sobol(d, estimator, 12);
-            assert_agree(&format!("{name}, {estimator:?} by Sobol'"), &truth, &sobol);
-        }
+        let truth = estimates(d, Estimator::Path, Heuristic::Power, None, samples(40));
+        let agrees = |estimator, passes| {
+            let sobol = by_sobol(d, estimator, samples(passes));
+            let what = format!("{name}, {estimator:?} by Sobol'");
+            assert_agree_up_to(noise(NOISE), &what, &truth, &sobol);
+        };
+        agrees(Estimator::Path, 12);
+        agrees(Estimator::Bidirectional, 12);
         if *complete == Complete::FromLight {
-            let sobol = by_sobol(d, Estimator::Light, 24);
-            assert_agree(&format!("{name}, light by Sobol'"), &truth, &sobol);
+            agrees(Estimator::Light, 24);
         }
     }
 }

@@ -25,9 +25,10 @@ const FEWEST: u64 = 256;
 const MOST: u64 = 4096;
 /// Vertices of either walk whose numbers a chain records.
 const VERTICES: usize = 16;
-/// Paths of the first bootstrap, and of the second.
-const SCOUTS: u64 = 1 << 15;
-const STARTS: u64 = 1 << 17;
+/// Paths of the second bootstrap: for each pixel, and the bounds on how many; the first one has a quarter of them.
+const STARTS_PER_PIXEL: u64 = 16;
+const FEWEST_STARTS: u64 = 1 << 15;
+const MOST_FIRST_STARTS: u64 = 1 << 17;
 /// For so many steps one more path is made for the bootstrap.
 const STEPS_PER_START: u64 = 8;
 /// Of those so many are kept to start from.
@@ -199,17 +200,17 @@ impl Plan<'_, '_> {
         Ok(all)
     }
 
-    /// Which lengths matter.
-    fn scout(&mut self, run: &Run<'_>) -> Result<(), RenderError> {
+    /// Which lengths matter, by `count` paths.
+    fn scout(&mut self, run: &Run<'_>, count: u64) -> Result<(), RenderError> {
         let mut squares = [0.0; Lengths::KNOWN];
         // Numbers of their own: what is learned from isn't used again.
-        for (edges, estimate) in self.bootstrap(run, 1 << 60, SCOUTS)? {
+        for (edges, estimate) in self.bootstrap(run, 1 << 60, count)? {
             if let Some(sum) = squares.get_mut(edges as usize - 1) {
                 let probability = f64::from(self.lengths.probability(edges));
                 *sum += f64::from(estimate) * f64::from(estimate) * probability;
             }
         }
-        self.lengths = Lengths::learned(squares.map(|sum| (sum / SCOUTS as f64) as Real));
+        self.lengths = Lengths::learned(squares.map(|sum| (sum / count as f64) as Real));
         Ok(())
     }
 
@@ -252,7 +253,7 @@ impl Plan<'_, '_> {
     /// The number of the first bootstrap path that chain `id` makes in `pass`: chain by chain, so that those of one follow each other only within a
     /// pass.
     fn first_start(&self, id: u64, pass: u64) -> u64 {
-        STARTS + (pass * self.chains + id) * self.starts
+        MOST_FIRST_STARTS + (pass * self.chains + id) * self.starts
     }
 
     /// One pass of chain `id`: the same splats whatever passes are done in one go.
@@ -318,10 +319,11 @@ pub(super) fn render(
         steps,
         starts: steps.div_ceil(STEPS_PER_START),
     };
-    plan.scout(run)?;
+    let first = (STARTS_PER_PIXEL * pixels).clamp(FEWEST_STARTS, MOST_FIRST_STARTS);
+    plan.scout(run, first / 4)?;
     let mut mean = Mean::default();
     let estimates: Vec<_> = plan
-        .bootstrap(run, 0, STARTS)?
+        .bootstrap(run, 0, first)?
         .iter()
         .map(|&(_, e)| e)
         .collect();

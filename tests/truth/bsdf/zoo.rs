@@ -431,7 +431,7 @@ pub fn some_directions() -> impl Iterator<Item = Vec3> {
 /// Whether case `i` of many is for this precision: every other one, or all if tests are to be deep.
 pub fn taken(i: usize) -> bool {
     let precision = size_of::<Real>() / 4;
-    etendue_tests::deep() || (i + precision).is_multiple_of(2)
+    etendue_tests::takes(i + precision, 2)
 }
 
 /// By cosine and azimuth.
