@@ -5,10 +5,8 @@
 //! P(|t| > 5.9) = 3e-8, so the suite fails by chance about once in 1500 runs, and errors are a few parts in a thousand.
 
 mod accuracy;
-mod media;
 mod metropolis;
 mod possible;
-mod scenes;
 mod sequences;
 mod spectra;
 mod weights;
@@ -17,6 +15,7 @@ use etendue::{Estimator, Heuristic, Scene, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::Description;
 use etendue_host::scene::{Changes, prepare};
+use etendue_tests::matrix::{Complete, Named, media, scenes};
 use etendue_tests::render::{Estimate, blob, double, single};
 use etendue_tests::{noise, samples, takes};
 use rayon::prelude::*;
@@ -24,15 +23,6 @@ use rayon::prelude::*;
 const Z: f64 = 5.9;
 const BATCHES: u64 = 64;
 const BLOCKS: u32 = 4;
-
-/// What can make all light of a scene.
-#[derive(Clone, Copy, PartialEq)]
-enum Complete {
-    /// Path and bidirectional.
-    FromSensor,
-    /// Light tracing as well: no Dirac surface is seen.
-    FromLight,
-}
 
 fn estimates(
     d: &Description,
@@ -189,7 +179,7 @@ fn sensors() {
 }
 
 /// The same through what fills space.
-fn all_agree(scenes: Vec<(&'static str, Description, Complete)>) {
+fn all_agree(scenes: Vec<Named>) {
     for (name, d, complete) in &scenes {
         agree(name, d, *complete, None);
     }

@@ -1,6 +1,6 @@
 //! Chains give what samples give, whatever the seed, the threads and the batches.
 
-use super::{BLOCKS, Complete, Estimate, estimates, media, scenes, spectra};
+use super::{BLOCKS, Estimate, Named, estimates, media, scenes, spectra};
 use etendue::estimate::Mutations;
 use etendue::{Estimator, Heuristic, Scene, Settings};
 use etendue_host::blob::AlignedBlob;
@@ -64,7 +64,7 @@ fn blocks(d: &Description) -> Vec<Estimate> {
 }
 
 /// About 2500 comparisons with 23 degrees of freedom at least: P(|t| > 7.5) = 1.3e-7, so that right code fails about once in 3000 choices of seeds.
-fn agree(scenes: Vec<(&'static str, Description, Complete)>) {
+fn agree(scenes: Vec<Named>) {
     const T: f64 = 7.5;
     for (name, d, _) in &scenes {
         println!("{name}");
@@ -85,7 +85,7 @@ fn agree(scenes: Vec<(&'static str, Description, Complete)>) {
 }
 
 /// One in `step`, or all if tests are to be deep: chains change nothing in what surfaces, lights and media are.
-fn some(scenes: Vec<(&'static str, Description, Complete)>, step: usize) {
+fn some(scenes: Vec<Named>, step: usize) {
     let numbered = scenes.into_iter().enumerate();
     let taken = numbered.filter(|(i, _)| takes(*i, step));
     agree(taken.map(|(_, scene)| scene).collect());

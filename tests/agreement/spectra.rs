@@ -1,11 +1,12 @@
 //! Wavelengths: what disperses and what gives spectra by every estimator, and grey scenes, which are the same in both.
 
-use super::Complete::{FromLight, FromSensor};
 use super::{Z, agree, estimates};
 use etendue::{Estimator, Heuristic};
 use etendue_host::description::{
     Carry, ColorSource, Description, EmitterKind, Index, Medium, Model, Pattern, Phase, Texture,
 };
+use etendue_tests::matrix::Complete::{FromLight, FromSensor};
+use etendue_tests::matrix::Named;
 use etendue_tests::scenes::{Builder, room};
 
 const WHITE: ColorSource = ColorSource::Constant([1.0; 3]);
@@ -49,7 +50,7 @@ fn glass_ball(fog: bool, carry: Carry) -> Description {
 }
 
 /// [`glass_ball`] for other estimators.
-pub fn dispersing() -> super::scenes::Named {
+pub fn dispersing() -> Named {
     let d = glass_ball(false, Carry::AsNeeded);
     ("a dispersing ball", d, FromSensor)
 }

@@ -3,13 +3,6 @@
 //! Where estimates are compared they are means of [`BATCHES`] batches, and |z| < [`Z`] in each of 4 × 4 blocks and three channels: with some 120
 //! degrees of freedom P(|t| > 5.9) = 3e-8, and there are about 3000 such comparisons: one false alarm in 10,000 runs.
 
-#[path = "../agreement/media.rs"]
-#[allow(dead_code)]
-mod media;
-#[path = "../agreement/scenes.rs"]
-#[allow(dead_code)]
-mod scenes;
-
 mod airlight;
 mod bake;
 mod panorama;
@@ -20,20 +13,11 @@ mod trees;
 use etendue::estimate::{Rule, Tree};
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::description::Description;
+use etendue_tests::matrix::{media, scenes};
 use etendue_tests::render::{Estimate, blob, single};
 
 const Z: f64 = 5.9;
 const BATCHES: u64 = 64;
-
-/// As in the suite `agreement`, whose scenes these are.
-#[allow(dead_code)]
-#[derive(Clone, Copy, PartialEq)]
-pub enum Complete {
-    /// Path and bidirectional.
-    FromSensor,
-    /// Light tracing as well.
-    FromLight,
-}
 
 /// Blocks of the image.
 fn estimates(d: &Description, settings: Settings, passes: u64) -> Vec<Estimate> {

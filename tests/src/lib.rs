@@ -3,6 +3,7 @@
 pub mod bits;
 pub mod fresnel;
 pub mod fuzz;
+pub mod matrix;
 pub mod media;
 pub mod oracles;
 pub mod place;

@@ -8,8 +8,8 @@
 //!
 //! No function allocates, keeps a pointer beyond the call (a scene keeps its blob), or unwinds: the kernel
 //! has no panic to unwind with. What may be shared by threads is said at each type.
+// Pointers from C, the control word.
 #![allow(unsafe_code)]
-// pointers from C, the control word
 // A pointer's contract stands in the function's own documentation, which is C's header.
 #![allow(clippy::missing_safety_doc)]
 

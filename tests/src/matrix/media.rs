@@ -1,13 +1,12 @@
-//! Media, boundaries, lights and sensors that estimators have to agree on.
+//! Media, their boundaries, and lights and sensors in them.
 
-use super::Complete::{self, FromLight, FromSensor};
+use super::Complete::{FromLight, FromSensor};
+use super::Named;
+use crate::scenes::{Builder, room};
 use etendue_host::description::{
     ColorSource, Description, EmitterKind, Grid, GridValues, Lobe, Medium, Model, Phase,
     Projection, Tracking,
 };
-use etendue_tests::scenes::{Builder, room};
-
-type Named = (&'static str, Description, Complete);
 
 const HG: Phase = Phase::HenyeyGreenstein { g: 0.6 };
 

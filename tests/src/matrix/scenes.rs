@@ -1,13 +1,12 @@
-//! The scenes that estimators have to agree on.
+//! Surfaces, lights, sensors and places.
 
-use super::Complete::{self, FromLight, FromSensor};
+use super::Complete::{FromLight, FromSensor};
+use super::Named;
+use crate::scenes::{Builder, V, room};
 use etendue_host::description::{
     ColorSource, Description, Distribution, EmitterKind, Facets, Filter, Geometry, Masking, Mesh,
     Model, Projection,
 };
-use etendue_tests::scenes::{Builder, V, room};
-
-pub type Named = (&'static str, Description, Complete);
 
 /// The room with a white box and a white ball.
 pub fn plain() -> Description {
