@@ -17,7 +17,7 @@ use etendue_host::description::Description;
 use etendue_host::scene::{Changes, prepare};
 use etendue_tests::matrix::{Complete, Named, media, scenes};
 use etendue_tests::render::{Estimate, blob, double, single};
-use etendue_tests::{noise, samples, takes};
+use etendue_tests::{noise, samples, some, takes};
 use rayon::prelude::*;
 
 const Z: f64 = 5.9;
@@ -193,9 +193,7 @@ fn fogs() {
 /// Every other one unless tests are to be deep: `medium` holds the ways of tracking against each other, and against truth.
 #[test]
 fn grids() {
-    let numbered = media::grids().into_iter().enumerate();
-    let taken = numbered.filter(|(i, _)| takes(*i, 2));
-    all_agree(taken.map(|(_, scene)| scene).collect());
+    all_agree(some(media::grids(), 2));
 }
 
 #[test]

@@ -56,6 +56,13 @@ pub fn takes(i: usize, some: usize) -> bool {
     }
 }
 
+/// The cases that are taken of these.
+pub fn some<T>(cases: Vec<T>, one_in: usize) -> Vec<T> {
+    let numbered = cases.into_iter().enumerate();
+    let taken = numbered.filter(|(i, _)| takes(*i, one_in));
+    taken.map(|(_, case)| case).collect()
+}
+
 /// Samples of a comparison that takes so many if tests are deep: half of them if they aren't.
 pub fn samples(all: u64) -> u64 {
     if deep() { all } else { all.div_ceil(2) }

@@ -281,6 +281,30 @@ pub fn grid(size: [u32; 3], value: impl Fn(V) -> f32) -> Grid {
     }
 }
 
+/// A mesh around an axis: `rings` + 1 rings of `sectors` vertices, of which `vertex(ring, sector)` gives position and normal.
+pub fn round(rings: u32, sectors: u32, vertex: impl Fn(u32, u32) -> (V, V)) -> Mesh {
+    let mut mesh = Mesh::default();
+    let mut normals = Vec::new();
+    for i in 0..=rings {
+        for j in 0..sectors {
+            let (position, normal) = vertex(i, j);
+            mesh.positions.push(position);
+            normals.push(normal);
+        }
+    }
+    for i in 0..rings {
+        for j in 0..sectors {
+            let at = |i: u32, j: u32| i * sectors + j % sectors;
+            mesh.triangles
+                .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            mesh.triangles
+                .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    mesh.normals = Some(normals);
+    mesh
+}
+
 /// A small room: diffuse walls, a lamp under the ceiling, and what `furnish` puts into it.
 pub fn room(furnish: impl FnOnce(&mut Builder)) -> Builder {
     let mut b = Builder::new().camera(

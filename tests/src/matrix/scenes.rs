@@ -2,7 +2,7 @@
 
 use super::Complete::{FromLight, FromSensor};
 use super::Named;
-use crate::scenes::{Builder, V, room};
+use crate::scenes::{Builder, V, room, round};
 use etendue_host::description::{
     ColorSource, Description, Distribution, EmitterKind, Facets, Filter, Geometry, Masking, Mesh,
     Model, Projection,
@@ -26,33 +26,16 @@ pub fn transformed(k: f32, by: V) -> Description {
 /// A mesh of a sphere with smooth normals.
 fn ball(center: V, radius: f32, rings: u32) -> Mesh {
     let sectors = 2 * rings;
-    let mut mesh = Mesh::default();
-    let mut normals = Vec::new();
-    for i in 0..=rings {
+    round(rings, sectors, |i, j| {
         let theta = std::f32::consts::PI * i as f32 / rings as f32;
-        for j in 0..sectors {
-            let phi = 2.0 * std::f32::consts::PI * j as f32 / sectors as f32;
-            let n = [
-                theta.sin() * phi.cos(),
-                theta.sin() * phi.sin(),
-                theta.cos(),
-            ];
-            normals.push(n);
-            mesh.positions
-                .push(std::array::from_fn(|a| center[a] + radius * n[a]));
-        }
-    }
-    for i in 0..rings {
-        for j in 0..sectors {
-            let at = |i: u32, j: u32| i * sectors + j % sectors;
-            mesh.triangles
-                .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            mesh.triangles
-                .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-        }
-    }
-    mesh.normals = Some(normals);
-    mesh
+        let phi = 2.0 * std::f32::consts::PI * j as f32 / sectors as f32;
+        let n = [
+            theta.sin() * phi.cos(),
+            theta.sin() * phi.sin(),
+            theta.cos(),
+        ];
+        (std::array::from_fn(|a| center[a] + radius * n[a]), n)
+    })
 }
 
 /// An exact diffuse ball, and one of 20,000 triangles.

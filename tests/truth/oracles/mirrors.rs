@@ -2,9 +2,9 @@
 
 use super::light::{orthographic, seen_by_light};
 use super::{Ask, ORACLES, ask, polygon};
-use etendue_host::description::{EmitterKind, Geometry, Mesh, Model};
+use etendue_host::description::{EmitterKind, Geometry, Model};
 use etendue_tests::render::blob;
-use etendue_tests::scenes::Builder;
+use etendue_tests::scenes::{Builder, round};
 use glam::{DMat3, DVec3};
 
 fn oracle(id: &str) -> f64 {
@@ -22,28 +22,13 @@ fn the_focus_of_a_paraboloid() {
         let mut b = Builder::new();
         let mirror = Some(b.mirror(reflectance));
         let (rings, sectors) = (64u32, 512u32);
-        let mut mesh = Mesh::default();
-        let mut normals = Vec::new();
-        for i in 0..=rings {
+        let mesh = round(rings, sectors, |i, j| {
             // The innermost ring is a tiny hole that nobody sees through: nothing lies behind it.
             let r = rim * (i as f32 / rings as f32).max(1e-4);
-            for j in 0..sectors {
-                let (sin, cos) = (2.0 * std::f32::consts::PI * j as f32 / sectors as f32).sin_cos();
-                mesh.positions.push([r * cos, r * sin, 0.25 * r * r]);
-                let slope = glam::Vec3::new(-0.5 * r * cos, -0.5 * r * sin, 1.0).normalize();
-                normals.push(slope.into());
-            }
-        }
-        for i in 0..rings {
-            for j in 0..sectors {
-                let at = |i: u32, j: u32| i * sectors + j % sectors;
-                mesh.triangles
-                    .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-                mesh.triangles
-                    .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-            }
-        }
-        mesh.normals = Some(normals);
+            let (sin, cos) = (2.0 * std::f32::consts::PI * j as f32 / sectors as f32).sin_cos();
+            let slope = glam::Vec3::new(-0.5 * r * cos, -0.5 * r * sin, 1.0).normalize();
+            ([r * cos, r * sin, 0.25 * r * r], slope.into())
+        });
         b.shape(Geometry::Mesh(mesh), mirror);
         // A little wider than the mirror: facets and rounding spread the rays.
         let half = 1.05 * rim;
