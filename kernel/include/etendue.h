@@ -259,8 +259,10 @@ typedef struct EtdSettings {
     float roulette;
     // `ETD_METROPOLIS`: how often a step of a chain is a path drawn anew, 0 to 1.
     float large_steps;
-    // `ETD_METROPOLIS`: the largest change of a random number in the other steps, above 0, at most 0.5.
+    // `ETD_METROPOLIS`: the largest change of a random number in what steps are left, above 0, at most 0.5.
     float step_size;
+    // `ETD_METROPOLIS`: the share of the other steps that keep the walk from the light and draw the sensor's anew, anywhere in the image, 0 to 1.
+    float view_steps;
 } EtdSettings;
 
 // What happened since the scratch was made or its counters were last cleared.
@@ -513,9 +515,9 @@ EtdStatus etd_render_film(const struct EtdScene *scene,
 // Bytes of memory that a chain needs.
 size_t etd_chain_size(void);
 
-// Estimates of the image's mean (over pixels and channels, radiance), by paths number `first` to `first + count`, one each, into `estimates[count]`.
-// Their mean is what `etd_chain_advance` scales by; each chain should start from one of these paths, drawn in proportion to its estimate: a hundred
-// thousand are a good number. `with->estimator` is `ETD_METROPOLIS`; `hooks` may be null, `closest` and `random` have to be.
+// Estimates of the image's mean (over pixels and channels, radiance), by samples number `first` to `first + count`, one each, into `estimates[count]`.
+// Their mean is what `etd_chain_advance` scales by; each chain should start from one of these samples, drawn in proportion to its estimate: tens of
+// thousands are a good number, and a few of each pixel. `with->estimator` is `ETD_METROPOLIS`; `hooks` may be null, `closest` and `random` have to be.
 EtdStatus etd_chain_bootstrap(const struct EtdScene *scene,
                               const struct EtdSettings *with,
                               const struct EtdHooks *hooks,
@@ -524,13 +526,13 @@ EtdStatus etd_chain_bootstrap(const struct EtdScene *scene,
                               size_t count,
                               float *estimates);
 
-// Makes chain number `id` in `memory` (`memory_size` ≥ `etd_chain_size()` bytes, aligned to `ETD_CHAIN_ALIGN`, the caller's to free) at path `path` of
+// Makes chain number `id` in `memory` (`memory_size` ≥ `etd_chain_size()` bytes, aligned to `ETD_CHAIN_ALIGN`, the caller's to free) at sample `sample` of
 // `etd_chain_bootstrap`, whose scene and settings are the same. The number selects the random numbers. `*out` will point into the memory.
 EtdStatus etd_chain_start(const struct EtdScene *scene,
                           const struct EtdSettings *with,
                           struct EtdScratch *scratch,
                           uint64_t id,
-                          uint64_t path,
+                          uint64_t sample,
                           void *memory,
                           size_t memory_size,
                           struct EtdChain **out);
@@ -581,7 +583,7 @@ EtdStatus etd_film_resolve(const struct EtdScene *handle,
 #else
 #define ETD_ASSERT(holds) typedef char EtdAssert[(holds) ? 1 : -1]
 #endif
-ETD_ASSERT(sizeof(EtdSettings) == 64 && sizeof(EtdTile) == 32 && sizeof(EtdSamples) == 24 && sizeof(EtdCounters) == 56 &&
+ETD_ASSERT(sizeof(EtdSettings) == 72 && sizeof(EtdTile) == 32 && sizeof(EtdSamples) == 24 && sizeof(EtdCounters) == 56 &&
            sizeof(EtdRay) == 40 && sizeof(EtdHit) == 20 && sizeof(EtdSum) == 48 && sizeof(EtdBlobError) == 16 &&
            sizeof(EtdSceneInfo) == 64 && sizeof(EtdHooks) == 8 + 6 * sizeof(void *) &&
            ETD_SCENE_SIZE % ETD_SCENE_ALIGN == 0);

@@ -2,8 +2,8 @@
 //! in what surfaces, lights and media are.
 
 use super::{BLOCKS, Estimate, Named, estimates, media, scenes, spectra};
-use etendue::estimate::Mutations;
-use etendue::{Estimator, Heuristic, Scene, Settings};
+use etendue::estimate::{Chain, Mutations};
+use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::Description;
 use etendue_host::render::{Budget, Device, Options, Rendered, render};
@@ -107,6 +107,40 @@ fn in_media() {
 #[test]
 fn by_wavelengths() {
     agree(vec![spectra::dispersing()]);
+}
+
+/// A chain goes on from what its start was drawn for: steps that change next to nothing are accepted. Where the ways that walks are joined are
+/// drawn as well (masks, grids) what they contribute differs from step to step, and scattering of large g multiplies what rounding does.
+#[test]
+fn starts_are_where_they_were_drawn() {
+    let mut scenes = scenes::objects();
+    scenes.extend(scenes::glossy());
+    scenes.extend(media::boundaries());
+    for (name, d, _) in some(scenes, 2) {
+        let bytes = blob(&d);
+        let scene = Scene::open(bytes.bytes()).unwrap();
+        let settings = Settings {
+            mutations: Mutations {
+                large: 0.0,
+                view: 0.0,
+                size: 1e-6,
+            },
+            ..Settings::default()
+        };
+        let mut scratch = Scratch::<32>::new();
+        let view = &mut scratch.view(&scene);
+        let (mut chain, mut starts, mut accepted) = (Chain::<16>::new(), 0, 0.0);
+        for sample in 0..2000 {
+            if scene.bootstrap(&settings, sample, view) > 0.0 {
+                chain.start(&scene, &settings, sample, sample, view);
+                chain.advance(&scene, &settings, 1.0, 1, view, &mut |_, _| ());
+                (starts, accepted) = (starts + 1, accepted + f64::from(chain.accepted()));
+            }
+        }
+        let share = accepted / f64::from(starts);
+        println!("{name}: {share} of {starts}");
+        assert!(starts > 100 && share > 0.98, "{name}: {share} of {starts}");
+    }
 }
 
 fn bits(r: &Rendered) -> Vec<u32> {

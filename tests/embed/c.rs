@@ -1,7 +1,7 @@
 //! Programs in C and C++ over the freestanding library: strictly compiled, run, run under valgrind and sanitizers.
 
 use crate::tools::{cargo, have, run, target, text};
-use etendue::estimate::{Chain, Lengths};
+use etendue::estimate::Chain;
 use etendue::real::Vec3;
 use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
@@ -178,7 +178,7 @@ fn chains_give_the_kernels_bits() {
     if !have("gcc") {
         return;
     }
-    const PATHS: u64 = 1 << 14;
+    const SAMPLES: u64 = 1 << 14;
     const CHAINS: u64 = 64;
     const STEPS: u64 = 1024;
     const SIZE: u32 = 32;
@@ -189,13 +189,10 @@ fn chains_give_the_kernels_bits() {
         estimator: Estimator::Metropolis,
         ..Settings::default()
     };
-    let (mut scratch, lengths) = (Scratch::<32>::new(), Lengths::default());
+    let mut scratch = Scratch::<32>::new();
     let view = &mut scratch.view(&scene);
-    let estimates: Vec<f32> = (0..PATHS)
-        .map(|path| {
-            let (edges, importance) = scene.bootstrap(&settings, &lengths, path, view);
-            importance / lengths.probability(edges)
-        })
+    let estimates: Vec<f32> = (0..SAMPLES)
+        .map(|sample| scene.bootstrap(&settings, sample, view))
         .collect();
     let sum: f64 = estimates.iter().map(|&e| f64::from(e)).sum();
     let [width, height] = scene.size();
@@ -206,10 +203,10 @@ fn chains_give_the_kernels_bits() {
             place -= f64::from(e);
             place < 0.0
         });
-        let from = beyond.map_or(PATHS - 1, |path| path as u64);
+        let from = beyond.map_or(SAMPLES - 1, |sample| sample as u64);
         let mut chain = Chain::<16>::new();
-        chain.start(&scene, &settings, &lengths, id, from, view);
-        let scale = (sum / PATHS as f64) as f32;
+        chain.start(&scene, &settings, id, from, view);
+        let scale = (sum / SAMPLES as f64) as f32;
         chain.advance(
             &scene,
             &settings,

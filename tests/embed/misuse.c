@@ -180,6 +180,12 @@ int main(int argc, char **argv)
     wrong.max_edges = -2;
     EXPECT(PIXEL(scene, &wrong, NULL, scratch, 0, 0, rgb), ETD_E_ARGUMENT);
     wrong = settings;
+    wrong.large_steps = NAN;
+    EXPECT(PIXEL(scene, &wrong, NULL, scratch, 0, 0, rgb), ETD_E_ARGUMENT);
+    wrong = settings;
+    wrong.view_steps = 1.5f;
+    EXPECT(PIXEL(scene, &wrong, NULL, scratch, 0, 0, rgb), ETD_E_ARGUMENT);
+    wrong = settings;
     wrong.estimator = ETD_BIDIRECTIONAL;
     EXPECT(PIXEL(scene, &wrong, NULL, scratch, 0, 0, rgb), ETD_E_SPLAT);
     EXPECT(PIXEL(scene, &settings, &hooks, scratch, 0, 0, rgb), ETD_E_SIZE);

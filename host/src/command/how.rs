@@ -24,6 +24,9 @@ pub struct How {
     /// metropolis: how often a step is a path drawn anew, 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = Mutations::default().large, value_parser = share)]
     large_steps: f32,
+    /// metropolis: the share of the other steps that keep the walk from the light and draw the sensor's anew, anywhere in the image
+    #[arg(long, value_name = "SHARE", default_value_t = Mutations::default().view, value_parser = share)]
+    view_steps: f32,
     /// distributed: rays that go on from a vertex, by level; paths have at most an edge more than there are levels
     #[arg(long, value_name = "N,N,…", default_value = "8,4,2,1", value_parser = branching)]
     branching: Branching,
@@ -203,6 +206,7 @@ impl How {
             roulette: self.roulette,
             mutations: Mutations {
                 large: self.large_steps,
+                view: self.view_steps,
                 ..Mutations::default()
             },
             tree: Tree {

@@ -1,16 +1,16 @@
 //! Metropolis chains on all cores. What they are and where they start depends on the scene, the settings, the image's size and the number of passes,
 //! never on threads.
 //!
-//! 1. A first bootstrap finds out which lengths of paths matter; a second estimates the image's mean and gives starts.
+//! 1. A bootstrap of whole samples estimates the image's mean and gives starts.
 //! 2. Pilot chains find the size of steps and are thrown away.
 //! 3. Chains run, and beside them goes on the bootstrap. After [`FIRST_AGE`] passes, and whenever there are four times as many, they start over from
-//!    what is known by then: how many chains there are of each length is as good as the bootstrap, and has to become better with the image.
+//!    what is known by then: how many chains there are of each length and strategy is as good as the bootstrap, and has to become better with the image.
 
 use super::crew::{Run, each_once};
 use super::{CAPACITY, Course, Job, Progress, RenderError, Rendered, Worker, add_up, lock};
 use crate::memory::attempt;
 use crate::render::Budget;
-use etendue::estimate::{Chain, Lengths};
+use etendue::estimate::Chain;
 use etendue::film::{Refused, Step, Sum, merge};
 use etendue::random::{Pcg, Purpose, Sampler};
 use etendue::real::Real;
@@ -25,16 +25,16 @@ const FEWEST: u64 = 256;
 const MOST: u64 = 4096;
 /// Vertices of either walk whose numbers a chain records.
 const VERTICES: usize = 16;
-/// Paths of the second bootstrap: for each pixel, and the bounds on how many; the first one has a quarter of them.
-const STARTS_PER_PIXEL: u64 = 16;
-const FEWEST_STARTS: u64 = 1 << 15;
-const MOST_FIRST_STARTS: u64 = 1 << 17;
-/// For so many steps one more path is made for the bootstrap.
-const STEPS_PER_START: u64 = 8;
+/// Samples of the bootstrap: for each pixel, and the bounds on how many.
+const STARTS_PER_PIXEL: u64 = 2;
+const FEWEST_STARTS: u64 = 1 << 13;
+const MOST_FIRST_STARTS: u64 = 1 << 16;
+/// For so many steps one more sample is made for the bootstrap.
+const STEPS_PER_START: u64 = 16;
 /// Of those so many are kept to start from.
 const MOST_STARTS: u64 = 1 << 22;
-/// Bootstrap paths in a job.
-const PART: u64 = 1 << 12;
+/// Samples of it in a job.
+const PART: u64 = 1 << 10;
 /// Passes until chains start over for the first time.
 const FIRST_AGE: u64 = 16;
 /// The chains that find the size of steps and are thrown away: how many, how often the size is changed, steps in between.
@@ -49,7 +49,7 @@ const START: u64 = 0x7374_6172_7400_0000;
 pub struct ChainReport {
     /// How many there were.
     pub chains: u64,
-    /// Paths that the image's mean was estimated from.
+    /// Samples that the image's mean was estimated from.
     pub bootstraps: u64,
     /// That mean, over pixels and channels.
     pub mean: f64,
@@ -116,19 +116,20 @@ struct Link {
 struct Plan<'j, 'a> {
     job: &'j Job<'a>,
     settings: Settings,
-    lengths: Lengths,
     /// The mean that splats are scaled by.
     scale: f64,
     chains: u64,
-    /// Steps of a chain in a pass, and bootstrap paths.
+    /// Steps of a chain in a pass.
     steps: u64,
+    /// Samples of the bootstrap that a chain makes in a row, and passes from one row to the next.
     starts: u64,
+    period: u64,
 }
 
-/// Where chains may start: the sums of the estimates up to each path.
+/// Where chains may start: the sums of the estimates up to each sample.
 struct Starts {
     sums: Vec<f64>,
-    /// The first path of each row of paths whose numbers follow each other, and its number.
+    /// The first sample of each row of samples whose numbers follow each other, and its number.
     rows: Vec<(usize, u64)>,
 }
 
@@ -142,7 +143,7 @@ impl Starts {
         all
     }
 
-    /// More paths, whose numbers follow `first`.
+    /// More samples, whose numbers follow `first`.
     fn add(&mut self, estimates: &[f32], first: u64) {
         self.rows.push((self.sums.len(), first));
         let mut sum = self.total();
@@ -156,7 +157,7 @@ impl Starts {
         self.sums.last().copied().unwrap_or(0.0)
     }
 
-    /// The path that number `i` of `count` starts starts from: in proportion to the estimates, each in its own share of their sum.
+    /// The sample that number `i` of `count` starts starts from: in proportion to the estimates, each in its own share of their sum.
     fn draw(&self, seed: u64, i: u64, count: u64) -> u64 {
         let xi = f64::from(Pcg::new(seed, START, i).one(Purpose::Choice));
         let place = (i as f64 + xi) / count as f64 * self.total();
@@ -169,49 +170,28 @@ impl Starts {
 }
 
 impl Plan<'_, '_> {
-    /// f*/P(k) of a path.
-    fn estimate(&self, index: u64, scratch: &mut Scratch<CAPACITY>) -> (u32, f32) {
-        let Self { job, lengths, .. } = self;
-        let view = &mut scratch.view(job.scene);
-        let (edges, importance) = job.scene.bootstrap(&self.settings, lengths, index, view);
-        (edges, importance / lengths.probability(edges))
+    /// The mean of sample `index` of the bootstrap.
+    fn estimate(&self, index: u64, scratch: &mut Scratch<CAPACITY>) -> f32 {
+        let scene = self.job.scene;
+        scene.bootstrap(&self.settings, index, &mut scratch.view(scene))
     }
 
-    /// Paths number `first` to `first + count`.
-    fn bootstrap(
-        &self,
-        run: &Run<'_>,
-        first: u64,
-        count: u64,
-    ) -> Result<Vec<(u32, f32)>, RenderError> {
+    /// The first `count` samples.
+    fn bootstrap(&self, run: &Run<'_>, count: u64) -> Result<Vec<f32>, RenderError> {
         let too_large = |_| RenderError::TooLarge {
             size: self.job.size,
         };
         let mut all = attempt(count as usize).map_err(too_large)?;
-        all.resize(count as usize, (0, 0.0));
+        all.resize(count as usize, 0.0);
         let parts: Vec<_> = all.chunks_mut(PART as usize).map(Mutex::new).collect();
         each_once(run, parts.len(), &|i| {
             let mut scratch = Box::new(Scratch::new());
-            for (path, index) in lock(&parts[i]).iter_mut().zip(first + i as u64 * PART..) {
-                *path = self.estimate(index, &mut scratch);
+            for (estimate, index) in lock(&parts[i]).iter_mut().zip(i as u64 * PART..) {
+                *estimate = self.estimate(index, &mut scratch);
             }
         })?;
         drop(parts);
         Ok(all)
-    }
-
-    /// Which lengths matter, by `count` paths.
-    fn scout(&mut self, run: &Run<'_>, count: u64) -> Result<(), RenderError> {
-        let mut squares = [0.0; Lengths::KNOWN];
-        // Numbers of their own: what is learned from isn't used again.
-        for (edges, estimate) in self.bootstrap(run, 1 << 60, count)? {
-            if let Some(sum) = squares.get_mut(edges as usize - 1) {
-                let probability = f64::from(self.lengths.probability(edges));
-                *sum += f64::from(estimate) * f64::from(estimate) * probability;
-            }
-        }
-        self.lengths = Lengths::learned(squares.map(|sum| (sum / count as f64) as Real));
-        Ok(())
     }
 
     /// The size of steps, by chains that are thrown away.
@@ -240,20 +220,13 @@ impl Plan<'_, '_> {
 
     fn start(&self, link: &mut Link, id: u64, from: u64, scratch: &mut Scratch<CAPACITY>) {
         let view = &mut scratch.view(self.job.scene);
-        let Self {
-            job,
-            settings,
-            lengths,
-            ..
-        } = self;
-        link.chain
-            .start(job.scene, settings, lengths, id, from, view);
+        let Self { job, settings, .. } = self;
+        link.chain.start(job.scene, settings, id, from, view);
     }
 
-    /// The number of the first bootstrap path that chain `id` makes in `pass`: chain by chain, so that those of one follow each other only within a
-    /// pass.
-    fn first_start(&self, id: u64, pass: u64) -> u64 {
-        MOST_FIRST_STARTS + (pass * self.chains + id) * self.starts
+    /// The number of the first sample in a row of the bootstrap that chain `id` makes.
+    fn first_start(&self, id: u64, row: u64) -> u64 {
+        MOST_FIRST_STARTS + (row * self.chains + id) * self.starts
     }
 
     /// One pass of chain `id`: the same splats whatever passes are done in one go.
@@ -273,9 +246,12 @@ impl Plan<'_, '_> {
         let (view, scale) = (&mut scratch.view(job.scene), self.scale as Real);
         let chain = &mut link.chain;
         chain.advance(job.scene, settings, scale, self.steps, view, splat);
-        let first = self.first_start(id, pass);
+        if !pass.is_multiple_of(self.period) {
+            return;
+        }
+        let first = self.first_start(id, pass / self.period);
         for index in first..first + self.starts {
-            let (_, estimate) = self.estimate(index, scratch);
+            let estimate = self.estimate(index, scratch);
             link.mean.add(step, estimate);
             if link.mean.count <= MOST_STARTS / self.chains {
                 link.estimates.push(estimate);
@@ -287,9 +263,9 @@ impl Plan<'_, '_> {
     fn known(&self, starts: &mut Starts, links: &[Mutex<Link>]) {
         for (link, id) in links.iter().zip(0..) {
             let link = &mut *lock(link);
-            let first = link.before / self.starts;
-            for (row, pass) in link.estimates.chunks(self.starts as usize).zip(first..) {
-                starts.add(row, self.first_start(id, pass));
+            let rows = link.estimates.chunks(self.starts as usize);
+            for (estimates, row) in rows.zip(link.before / self.starts..) {
+                starts.add(estimates, self.first_start(id, row));
             }
             link.estimates = Vec::new();
             link.before = link.mean.count;
@@ -313,20 +289,15 @@ pub(super) fn render(
     let mut plan = Plan {
         job,
         settings: job.settings,
-        lengths: Lengths::default(),
         scale: 0.0,
         chains,
         steps,
         starts: steps.div_ceil(STEPS_PER_START),
+        period: (STEPS_PER_START / steps).max(1),
     };
     let first = (STARTS_PER_PIXEL * pixels).clamp(FEWEST_STARTS, MOST_FIRST_STARTS);
-    plan.scout(run, first / 4)?;
     let mut mean = Mean::default();
-    let estimates: Vec<_> = plan
-        .bootstrap(run, 0, first)?
-        .iter()
-        .map(|&(_, e)| e)
-        .collect();
+    let estimates = plan.bootstrap(run, first)?;
     estimates.iter().for_each(|&e| mean.add(step, e));
     let mut starts = Starts::new(&estimates);
     let dark = starts.total() <= 0.0;

@@ -1,12 +1,12 @@
 /* Metropolis light transport: chains SCENE.etd OUT.pfm
  *
- * Paths drawn independently say how bright the image is and where chains start; chains say where in the image the light is. They depend on their
+ * Samples drawn independently say how bright the image is and where chains start; chains say where in the image the light is. They depend on their
  * numbers alone, so that threads could share them out in any way. */
 #include "etendue.h"
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { PATHS = 1 << 14, CHAINS = 64, STEPS = 1024 };
+enum { SAMPLES = 1 << 14, CHAINS = 64, STEPS = 1024 };
 
 typedef struct Film {
     uint32_t width, height;
@@ -24,10 +24,10 @@ static void splat(void *user, uint32_t x, uint32_t y, const float *rgb)
 static uint64_t draw(const float *estimates, double sum, int i)
 {
     double place = (i + 0.5) / CHAINS * sum;
-    uint64_t path = 0;
-    while (path + 1 < PATHS && (place -= estimates[path]) >= 0)
-        path++;
-    return path;
+    uint64_t sample = 0;
+    while (sample + 1 < SAMPLES && (place -= estimates[sample]) >= 0)
+        sample++;
+    return sample;
 }
 
 static EtdStatus render(const EtdScene *scene, EtdScratch *scratch, Film *film, float *estimates, void *memory)
@@ -37,8 +37,8 @@ static EtdStatus render(const EtdScene *scene, EtdScratch *scratch, Film *film, 
     double sum = 0, kept = 0;
     etd_settings_default(&settings);
     settings.estimator = ETD_METROPOLIS;
-    EtdStatus status = etd_chain_bootstrap(scene, &settings, NULL, scratch, 0, PATHS, estimates);
-    for (int i = 0; status == ETD_OK && i < PATHS; i++)
+    EtdStatus status = etd_chain_bootstrap(scene, &settings, NULL, scratch, 0, SAMPLES, estimates);
+    for (int i = 0; status == ETD_OK && i < SAMPLES; i++)
         sum += estimates[i];
     for (int i = 0; status == ETD_OK && i < CHAINS; i++) {
         EtdChain *chain = NULL;
@@ -46,7 +46,7 @@ static EtdStatus render(const EtdScene *scene, EtdScratch *scratch, Film *film, 
         status = etd_chain_start(scene, &settings, scratch, (uint64_t)i, draw(estimates, sum, i), memory,
                                  etd_chain_size(), &chain);
         if (status == ETD_OK)
-            status = etd_chain_advance(scene, &settings, &hooks, scratch, chain, (float)(sum / PATHS), STEPS);
+            status = etd_chain_advance(scene, &settings, &hooks, scratch, chain, (float)(sum / SAMPLES), STEPS);
         if (status == ETD_OK)
             status = etd_chain_accepted(chain, &share);
         kept += share;
@@ -54,7 +54,7 @@ static EtdStatus render(const EtdScene *scene, EtdScratch *scratch, Film *film, 
     for (size_t i = 0; i < 3 * (size_t)film->width * film->height; i++)
         film->sums[i] *= (float)film->width * (float)film->height / ((float)CHAINS * STEPS);
     if (status == ETD_OK)
-        printf("mean %g W/(m2 sr), %.0f %% of small steps accepted\n", sum / PATHS, 100 * kept / CHAINS);
+        printf("mean %g W/(m2 sr), %.0f %% of small steps accepted\n", sum / SAMPLES, 100 * kept / CHAINS);
     return status;
 }
 
@@ -63,7 +63,7 @@ int main(int argc, char **argv)
     unsigned char *blob = malloc(1 << 20); /* malloc's alignment is enough */
     void *scene_memory = malloc(ETD_SCENE_SIZE), *scratch_memory = malloc(etd_scratch_size(32));
     void *chain_memory = malloc(etd_chain_size());
-    float *estimates = malloc(PATHS * sizeof *estimates);
+    float *estimates = malloc(SAMPLES * sizeof *estimates);
     const EtdScene *scene = NULL;
     EtdScratch *scratch = NULL;
     EtdSceneInfo info = {.struct_size = sizeof info};

@@ -9,7 +9,7 @@ use super::settings::EtdSettings;
 use super::status::{
     ETD_E_ARGUMENT, ETD_E_HANDLE, ETD_E_MISALIGNED, ETD_E_NULL, ETD_E_SIZE, EtdStatus, status_of,
 };
-use crate::estimate::{Chain, Estimator, Lengths};
+use crate::estimate::{Chain, Estimator};
 use core::ffi::c_void;
 
 /// What chain memory must be aligned to.
@@ -69,9 +69,9 @@ pub extern "C" fn etd_chain_size() -> usize {
     size_of::<Held>()
 }
 
-/// Estimates of the image's mean (over pixels and channels, radiance), by paths number `first` to `first + count`, one each, into `estimates[count]`.
-/// Their mean is what `etd_chain_advance` scales by; each chain should start from one of these paths, drawn in proportion to its estimate: a hundred
-/// thousand are a good number. `with->estimator` is `ETD_METROPOLIS`; `hooks` may be null, `closest` and `random` have to be.
+/// Estimates of the image's mean (over pixels and channels, radiance), by samples number `first` to `first + count`, one each, into `estimates[count]`.
+/// Their mean is what `etd_chain_advance` scales by; each chain should start from one of these samples, drawn in proportion to its estimate: tens of
+/// thousands are a good number, and a few of each pixel. `with->estimator` is `ETD_METROPOLIS`; `hooks` may be null, `closest` and `random` have to be.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_chain_bootstrap(
     scene: *const EtdScene,
@@ -84,19 +84,16 @@ pub unsafe extern "C" fn etd_chain_bootstrap(
 ) -> EtdStatus {
     status_of((|| {
         let mut call = call(scene, with, hooks, memory)?;
-        let lengths = Lengths::default();
         for (out, i) in slice_mut(estimates, count)?.iter_mut().zip(0..) {
             call.poll()?;
             let (scene, index) = (call.scene, first.wrapping_add(i));
-            let (edges, importance) =
-                scene.bootstrap(&call.settings, &lengths, index, &mut call.scratch);
-            *out = importance / lengths.probability(edges);
+            *out = scene.bootstrap(&call.settings, index, &mut call.scratch);
         }
         Ok(())
     })())
 }
 
-/// Makes chain number `id` in `memory` (`memory_size` ≥ `etd_chain_size()` bytes, aligned to `ETD_CHAIN_ALIGN`, the caller's to free) at path `path` of
+/// Makes chain number `id` in `memory` (`memory_size` ≥ `etd_chain_size()` bytes, aligned to `ETD_CHAIN_ALIGN`, the caller's to free) at sample `sample` of
 /// `etd_chain_bootstrap`, whose scene and settings are the same. The number selects the random numbers. `*out` will point into the memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_chain_start(
@@ -104,7 +101,7 @@ pub unsafe extern "C" fn etd_chain_start(
     with: *const EtdSettings,
     scratch: *mut EtdScratch,
     id: u64,
-    path: u64,
+    sample: u64,
     memory: *mut c_void,
     memory_size: usize,
     out: *mut *mut EtdChain,
@@ -128,9 +125,7 @@ pub unsafe extern "C" fn etd_chain_start(
             out.write(memory.cast());
             &mut (*held).chain
         };
-        let lengths = Lengths::default();
-        let scratch = &mut call.scratch;
-        chain.start(call.scene, &call.settings, &lengths, id, path, scratch);
+        chain.start(call.scene, &call.settings, id, sample, &mut call.scratch);
         Ok(())
     })())
 }

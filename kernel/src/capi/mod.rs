@@ -29,7 +29,7 @@ pub mod status;
 
 // What the header asserts of C's side.
 const _: () = assert!(
-    size_of::<settings::EtdSettings>() == 64
+    size_of::<settings::EtdSettings>() == 72
         && size_of::<estimate::EtdTile>() == 32
         && size_of::<estimate::EtdSamples>() == 24
         && size_of::<scratch::EtdCounters>() == 56

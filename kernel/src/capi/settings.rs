@@ -71,8 +71,10 @@ pub struct EtdSettings {
     pub roulette: f32,
     /// `ETD_METROPOLIS`: how often a step of a chain is a path drawn anew, 0 to 1.
     pub large_steps: f32,
-    /// `ETD_METROPOLIS`: the largest change of a random number in the other steps, above 0, at most 0.5.
+    /// `ETD_METROPOLIS`: the largest change of a random number in what steps are left, above 0, at most 0.5.
     pub step_size: f32,
+    /// `ETD_METROPOLIS`: the share of the other steps that keep the walk from the light and draw the sensor's anew, anywhere in the image, 0 to 1.
+    pub view_steps: f32,
 }
 
 // SAFETY: repr(C), the size first, numbers only.
@@ -112,6 +114,10 @@ pub unsafe extern "C" fn etd_settings_default(settings: *mut EtdSettings) -> Etd
                 step_size: Settings::default().mutations.size,
                 #[cfg(not(feature = "metropolis"))]
                 step_size: 0.0,
+                #[cfg(feature = "metropolis")]
+                view_steps: Settings::default().mutations.view,
+                #[cfg(not(feature = "metropolis"))]
+                view_steps: 0.0,
             });
         }
         Ok(())
@@ -183,6 +189,7 @@ pub(super) fn settings(pointer: *const EtdSettings) -> Result<Settings, EtdStatu
         #[cfg(feature = "metropolis")]
         mutations: Mutations {
             large: share(s.large_steps)?,
+            view: share(s.view_steps)?,
             size: match s.step_size {
                 size if size > 0.0 && size <= 0.5 => size,
                 _ => return Err(ETD_E_ARGUMENT),

@@ -11,8 +11,8 @@
 use super::Settings;
 use super::light::{Seen, emit, see_light, see_vertex, spread};
 use super::scratch::Workspace;
-use crate::blob::Possible;
 use crate::blob::format::NONE;
+use crate::blob::{Possible, View};
 use crate::emitter;
 use crate::instance::Instance;
 use crate::medium;
@@ -27,50 +27,42 @@ use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
 use crate::surface::Mode;
 
-/// Which ways of joining the walks are wanted.
-pub(super) trait Strategies: Copy {
+/// Which ways of joining the walks are wanted, and where what they contribute goes.
+pub(super) trait Strategies<S> {
     /// Whether this one is.
-    fn has(self, s: usize, t: usize) -> bool;
-    /// Whether one is whose light walk, or sensor walk, has more vertices than this.
-    fn has_more(self, end: Subpath, vertices: usize) -> bool;
+    fn has(&self, s: usize, t: usize) -> bool;
+    /// Whether one is whose light walk, or sensor walk, has more vertices than this, and is made of that walk.
+    fn has_more(&self, end: Subpath, vertices: usize) -> bool;
+    /// What one of them contributes: to the element, or to where the sensor sees it, to be [`spread`].
+    fn take(&mut self, strategy: [usize; 2], value: S, raster: Option<[Real; 2]>);
 }
 
 /// All of them that can contribute.
-#[derive(Clone, Copy)]
-pub(super) struct All(Possible);
+struct All<'w, 's, 'a, S: Spectrum, F> {
+    scene: View<'s, 'a, S>,
+    element: &'w Element,
+    possible: Possible,
+    sum: S,
+    splat: &'w mut F,
+}
 
-impl Strategies for All {
+impl<S: Spectrum, F: FnMut([u32; 2], S)> Strategies<S> for All<'_, '_, '_, S, F> {
     #[inline(always)]
-    fn has(self, _: usize, _: usize) -> bool {
+    fn has(&self, _: usize, _: usize) -> bool {
         true
     }
     #[inline(always)]
-    fn has_more(self, end: Subpath, _: usize) -> bool {
-        end == Subpath::Sensor || self.0.joins
-    }
-}
-
-/// One of them.
-#[cfg(feature = "metropolis")]
-#[derive(Clone, Copy, Debug)]
-pub(super) struct One {
-    /// Vertices of the light walk.
-    pub s: usize,
-    /// Vertices of the sensor walk.
-    pub t: usize,
-}
-
-#[cfg(feature = "metropolis")]
-impl Strategies for One {
-    #[inline(always)]
-    fn has(self, s: usize, t: usize) -> bool {
-        self.s == s && self.t == t
+    fn has_more(&self, end: Subpath, vertices: usize) -> bool {
+        end == Subpath::Sensor || vertices == 0 || self.possible.joins
     }
     #[inline(always)]
-    fn has_more(self, end: Subpath, vertices: usize) -> bool {
-        match end {
-            Subpath::Light => self.s > vertices,
-            Subpath::Sensor => self.t > vertices,
+    fn take(&mut self, _: [usize; 2], value: S, raster: Option<[Real; 2]>) {
+        match raster {
+            None => self.sum += value,
+            Some(raster) => {
+                let Self { scene, element, .. } = self;
+                spread(scene, element, raster, value, &mut self.sum, self.splat);
+            }
         }
     }
 }
@@ -85,48 +77,46 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
     scratch: &mut Workspace<'_, K::S>,
     splat: &mut impl FnMut([u32; 2], K::S),
 ) -> K::S {
-    let mut sum = K::S::BLACK;
     let scene = trace.scene;
-    let seen = |raster, value| spread(&scene, element, raster, value, &mut sum, splat);
-    let limit = settings.limit();
-    let Some(mis) = begin(trace, settings, limit, element, scratch) else {
-        return sum;
+    let mut all = All {
+        scene,
+        element,
+        possible: scene.possible(),
+        sum: K::S::BLACK,
+        splat,
     };
-    let all = All(scene.possible());
-    light_side(trace, limit, &mis, element, all, sampler, scratch, seen);
-    sensor_side(trace, limit, &mis, element, all, sampler, scratch, &mut sum);
-    sum
+    join(
+        trace,
+        settings,
+        settings.limit(),
+        element,
+        &mut all,
+        sampler,
+        scratch,
+    );
+    all.sum
 }
 
-/// One sample by one strategy, of paths of s + t − 1 edges: what the element receives, or with t = 1 what is to be [`spread`], and where.
-#[cfg(feature = "metropolis")]
+/// Both walks, of paths of `limit` edges at most, and all ways of joining them that are wanted.
 #[inline(always)]
-pub(super) fn one<T: Tracer, K: Instance, P: Sampler>(
+pub(super) fn join<T: Tracer, K: Instance, P: Sampler>(
     trace: &mut Trace<'_, '_, T, K>,
     settings: &Settings,
+    limit: u32,
     element: &Element,
-    strategy: One,
+    wanted: &mut impl Strategies<K::S>,
     sampler: &mut P,
     scratch: &mut Workspace<'_, K::S>,
-) -> (K::S, Option<[Real; 2]>) {
-    let (mut sum, mut place) = (K::S::BLACK, None);
-    let limit = settings.limit().min((strategy.s + strategy.t) as u32 - 1);
+) {
     let Some(mis) = begin(trace, settings, limit, element, scratch) else {
-        return (sum, place);
+        return;
     };
-    // s = 1 draws its light anew.
-    if strategy.t == 1 || strategy.s > 1 {
-        let seen = |raster, value| (sum, place) = (value, Some(raster));
-        light_side(
-            trace, limit, &mis, element, strategy, sampler, scratch, seen,
-        );
+    if wanted.has_more(Subpath::Light, 0) {
+        light_side(trace, limit, &mis, element, wanted, sampler, scratch);
     }
-    if strategy.t > 1 {
-        sensor_side(
-            trace, limit, &mis, element, strategy, sampler, scratch, &mut sum,
-        );
+    if wanted.has_more(Subpath::Sensor, 1) {
+        sensor_side(trace, limit, &mis, element, wanted, sampler, scratch);
     }
-    (sum, place)
 }
 
 /// Nothing stored yet, and what all weights have in common; `None` if there are no paths so short.
@@ -147,23 +137,25 @@ fn begin<T: Tracer, K: Instance>(
 
 /// Walks from a light, stores the walk, and joins each of its vertices to the sensor (t = 1).
 #[inline(always)]
-#[allow(clippy::too_many_arguments)] // the two sides of one function
-fn light_side<T: Tracer, K: Instance, P: Sampler>(
+fn light_side<T: Tracer, K: Instance, P: Sampler, W: Strategies<K::S>>(
     trace: &mut Trace<'_, '_, T, K>,
     limit: u32,
     mis: &Mis,
     element: &Element,
-    wanted: impl Strategies,
+    wanted: &mut W,
     sampler: &mut P,
     scratch: &mut Workspace<'_, K::S>,
-    mut seen_at: impl FnMut([Real; 2], K::S),
 ) {
     let Some(emission) = emit(trace, sampler) else {
         return;
     };
     let x0 = emission_terms(&emission);
     let _ = scratch.links.push(link(&x0));
-    let mut see = |seen: Option<Seen<K::S>>, terms: &Terms, links: &[Link], none: &HistoryView| {
+    let see = |seen: Option<Seen<K::S>>,
+               terms: &Terms,
+               links: &[Link],
+               none: &HistoryView,
+               to: &mut W| {
         let Some(seen) = seen else { return };
         let junction = Junction {
             light_vertices: links.len(),
@@ -173,12 +165,13 @@ fn light_side<T: Tracer, K: Instance, P: Sampler>(
             ..Junction::default()
         };
         let weight = mis.weight(&junction, terms, &Terms::default(), links, none);
-        seen_at(seen.projection.raster, seen.value * weight);
+        let raster = Some(seen.projection.raster);
+        to.take([links.len(), 1], seen.value * weight, raster);
     };
-    let joins = |s| mis.light_paths > 0.0 && wanted.has(s, 1);
-    if joins(1) {
+    let joins = |wanted: &W, s| mis.light_paths > 0.0 && wanted.has(s, 1);
+    if joins(wanted, 1) {
         let seen = see_light(trace, element, &emission, sampler);
-        see(seen, &x0, scratch.links, scratch.sensor);
+        see(seen, &x0, scratch.links, scratch.sensor, wanted);
     }
     let mut walk = Walk::from_light(trace, &emission);
     // x_i is joined to the sensor by a path of i + 1 edges.
@@ -195,9 +188,9 @@ fn light_side<T: Tracer, K: Instance, P: Sampler>(
         }
         let _ = scratch.links.push(link(&vertex.terms));
         let _ = scratch.light.push(vertex);
-        if joins(scratch.links.len()) {
+        if joins(wanted, scratch.links.len()) {
             let seen = see_vertex(trace, element, &vertex, sampler);
-            see(seen, &vertex.terms, scratch.links, scratch.sensor);
+            see(seen, &vertex.terms, scratch.links, scratch.sensor, wanted);
         }
         let Some(step) = walk.leave(trace, &vertex, sampler) else {
             return;
@@ -211,16 +204,14 @@ fn light_side<T: Tracer, K: Instance, P: Sampler>(
 
 /// Walks from the sensor and joins each of its vertices to the light (s = 0, 1) and to the light walk (s ≥ 2).
 #[inline(always)]
-#[allow(clippy::too_many_arguments)] // the two sides of one function
 fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
     trace: &mut Trace<'_, '_, T, K>,
     limit: u32,
     mis: &Mis,
     element: &Element,
-    wanted: impl Strategies,
+    wanted: &mut impl Strategies<K::S>,
     sampler: &mut P,
     scratch: &mut Workspace<'_, K::S>,
-    sum: &mut K::S,
 ) {
     let start = element.start(&trace.scene, sampler);
     let medium = super::surroundings(trace, element);
@@ -232,7 +223,8 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
             Arrival::Escaped(terms) => {
                 scratch.sensor.push(link(&terms));
                 if wanted.has(0, walk.edges as usize + 1) {
-                    *sum += escaped(trace, mis, &walk, &terms, scratch.sensor);
+                    let value = escaped(trace, mis, &walk, &terms, scratch.sensor);
+                    wanted.take([0, walk.edges as usize + 1], value, None);
                 }
                 return;
             }
@@ -241,14 +233,16 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
         scratch.sensor.push(link(&vertex.terms));
         let t = walk.edges as usize + 1;
         if wanted.has(0, t) {
-            *sum += met_light(trace, mis, &walk, &vertex, from, distance, scratch.sensor);
+            let value = met_light(trace, mis, &walk, &vertex, from, distance, scratch.sensor);
+            wanted.take([0, t], value, None);
         }
         if walk.edges >= limit {
             return;
         }
         if vertex.has_smooth::<K>(&trace.scene) {
             if wanted.has(1, t) {
-                *sum += next_event(trace, mis, &vertex, t, sampler, scratch.sensor);
+                let value = next_event(trace, mis, &vertex, t, sampler, scratch.sensor);
+                wanted.take([1, t], value, None);
             }
             for (i, x) in scratch.light.iter().enumerate() {
                 // s = i + 2 light vertices and t sensor vertices make s + t − 1 edges.
@@ -256,17 +250,9 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
                     break;
                 }
                 if wanted.has(i + 2, t) && x.has_smooth::<K>(&trace.scene) {
-                    *sum += connect(
-                        trace,
-                        mis,
-                        x,
-                        &vertex,
-                        i + 2,
-                        t,
-                        sampler,
-                        scratch.links,
-                        scratch.sensor,
-                    );
+                    let (links, sensor) = (&*scratch.links, &*scratch.sensor);
+                    let value = connect(trace, mis, x, &vertex, i + 2, t, sampler, links, sensor);
+                    wanted.take([i + 2, t], value, None);
                 }
             }
         }

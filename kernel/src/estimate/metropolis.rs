@@ -8,17 +8,22 @@
 //! pixel = Σ over steps of a/b-weighted colours, so that Σ splats / (steps per pixel) estimates it
 //! ```
 //!
-//! 1. [`Scene::bootstrap`] estimates f*/P(k) of independent paths with k drawn from P ([`Lengths`]): their mean is b.
-//! 2. A [`Chain`] starts from one of them, drawn in proportion to its estimate: that draws k in proportion to b_k, of any length, and begins in the
-//!    stationary distribution as far as there are enough of them.
+//! 1. [`Scene::bootstrap`] makes whole samples, of all strategies: their mean is b.
+//! 2. A [`Chain`] starts from a contribution to one of them: the sample is drawn in proportion to its mean, the contribution in proportion to its
+//!    own. That draws k in proportion to b_k, of any length, and begins in the stationary distribution as far as there are enough samples.
 //! 3. [`Chain::advance`] makes steps, each of which splats what it left and what it came to, by the chance of either.
+//!
+//! Of one strategy at a time b would be known far worse for as much work: where light is hard to find, few samples have any, and those have it
+//! by one or two of all their strategies.
 
-use super::bidirectional::One;
+use super::bidirectional::Strategies;
 use super::scratch::ScratchView;
-use super::{Settings, strategy_with};
-use crate::blob::Scene;
-use crate::random::{CHOICES, Mutation, Pcg, Purpose, Recorded, Sampler as _, Tape, TapeView};
-use crate::real::{Real, exp, log, safe_sqrt};
+use super::{Settings, draw_with};
+use crate::blob::{Possible, Scene, View};
+use crate::random::{
+    CHOICES, Mutation, Pcg, Purpose, Recorded, Sampler as _, Subpath, Tape, TapeView,
+};
+use crate::real::{Real, exp, log};
 use crate::sensor::{Element, each_pixel};
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -27,14 +32,17 @@ use crate::spectrum::{Rgb, Spectrum};
 pub struct Mutations {
     /// How often a step is a path drawn anew, 0 to 1.
     pub large: Real,
-    /// The largest change of a number in the other steps; [`Mutations::tuned`] finds a good one.
+    /// The share of the others that keep the light's walk and draw the sensor's anew, anywhere in the image, 0 to 1.
+    pub view: Real,
+    /// The largest change of a number in what steps are left; [`Mutations::tuned`] finds a good one.
     pub size: Real,
 }
 
 impl Default for Mutations {
     fn default() -> Self {
         Self {
-            large: 0.3,
+            large: 0.1,
+            view: 0.3,
             size: 1.0 / 64.0,
         }
     }
@@ -58,13 +66,13 @@ impl Mutations {
     }
 }
 
-/// What a primary sample contributes.
+/// What a strategy contributes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Contribution {
+struct Contribution {
     /// Radiance, as the estimate of a pixel.
-    pub value: Rgb,
+    value: Rgb,
     /// Where it is seen, if by all pixels whose filters cover that; else its own pixel.
-    pub raster: Option<[Real; 2]>,
+    raster: Option<[Real; 2]>,
 }
 
 impl Contribution {
@@ -88,6 +96,13 @@ impl State {
         pixel: [0; 2],
         importance: 0.0,
     };
+
+    /// Over the chance of the strategy, one of `count`.
+    fn times(mut self, count: u32) -> Self {
+        self.contribution.value *= count as Real;
+        self.importance *= count as Real;
+        self
+    }
 
     /// Hands `share`/f* of the contribution to its pixels.
     #[inline(always)]
@@ -129,82 +144,113 @@ fn importance(value: Rgb) -> Real {
     (r.abs() + g.abs() + b.abs()) * (1.0 / 3.0)
 }
 
-/// How many edges the paths of a bootstrap have.
-#[derive(Clone, Copy, Debug)]
-pub struct Lengths {
-    /// What is known: weights of 1, 2, … edges, in order, and their sum.
-    weights: [Real; Lengths::KNOWN],
-    total: Real,
-}
-
-impl Default for Lengths {
-    fn default() -> Self {
-        Self::learned([0.0; Self::KNOWN])
-    }
-}
-
-impl Lengths {
-    /// Lengths that have a weight of their own.
-    pub const KNOWN: usize = 32;
-    /// The share of paths that is drawn without regard to what is known.
-    const FLOOR: Real = 0.2;
-    /// The ratio of the geometric half of those.
-    const GOES_ON: Real = 0.7;
-
-    /// After a first bootstrap: `squares` are the means of f*² by number of edges, from 1 on (0: unknown). The mean over all lengths varies the least if
-    /// k is drawn in proportion to its root (Neyman's allocation).
-    pub fn learned(squares: [Real; Self::KNOWN]) -> Self {
-        let weights = squares.map(safe_sqrt);
-        Self {
-            weights,
-            total: weights.iter().sum(),
-        }
-    }
-
-    /// The share of the floor.
-    fn floor(&self) -> Real {
-        if self.total > 0.0 { Self::FLOOR } else { 1.0 }
-    }
-
-    /// P(k).
-    pub fn probability(&self, edges: u32) -> Real {
-        let k = edges as Real;
-        let geometric = (1.0 - Self::GOES_ON) * exp((k - 1.0) * log(Self::GOES_ON));
-        let floor = self.floor() * (0.5 * geometric + 0.5 / (k * (k + 1.0)));
-        let index = (edges as usize).wrapping_sub(1);
-        match self.weights.get(index) {
-            Some(w) if self.total > 0.0 => floor + (1.0 - self.floor()) * w / self.total,
-            _ => floor,
-        }
-    }
-
-    /// Draws k. Of the floor, half is geometric, because most light is short, and half follows a law without a scale, P(≥ k) = 1/k, because where it
-    /// isn't no length may be too rare.
-    fn draw(&self, random: &mut Pcg) -> u32 {
-        let [which, xi] = random.two(Purpose::Choice);
-        if which >= self.floor() {
-            let mut left = xi * self.total;
-            for (w, edges) in self.weights.iter().zip(1..) {
-                left -= w;
-                if left < 0.0 {
-                    return edges;
-                }
-            }
-        }
-        let xi = 1.0 - xi; // (0, 1]
-        let edges = if which < 0.5 * self.floor() {
-            1.0 + log(xi) / log(Self::GOES_ON)
-        } else {
-            1.0 / xi
-        };
-        // A cast cuts off the fraction, and saturates.
-        (edges as u32).clamp(1, 1 << 24)
-    }
-}
-
 /// Salts of the streams: what they are for is in their numbers.
 const BOOTSTRAP: u64 = 0x626f_6f74_0000_0000;
+const DRAW: u64 = 0x6472_6177_0000_0000;
 const CHAIN: u64 = 0x6368_6169_0000_0000;
+
+/// Which way of joining the walks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Strategy {
+    /// Vertices of the light walk.
+    s: usize,
+    /// Vertices of the sensor walk.
+    t: usize,
+}
+
+/// What a sample contributes by one strategy, or by one of all, drawn in proportion to f*.
+pub(super) struct Drawn {
+    /// The one that is wanted; `None`: any.
+    only: Option<Strategy>,
+    possible: Possible,
+    /// What draws.
+    random: Pcg,
+    /// The sum of the importance of all that contributed.
+    total: Real,
+    /// What was drawn, and by which strategy it came.
+    state: State,
+    strategy: Strategy,
+}
+
+impl Drawn {
+    fn new(scene: &Scene<'_>, only: Option<Strategy>, pixel: [u32; 2], random: Pcg) -> Self {
+        Self {
+            only,
+            possible: scene.possible(),
+            random,
+            total: 0.0,
+            state: State {
+                pixel,
+                ..State::NONE
+            },
+            strategy: Strategy { s: 0, t: 2 },
+        }
+    }
+}
+
+/// [`Drawn`], of contributions as an instance of the estimator makes them.
+pub(super) struct Drawing<'w, 's, 'a, S: Spectrum> {
+    /// What they are drawn for.
+    pub drawn: &'w mut Drawn,
+    /// The scene, and what the channels are.
+    pub scene: View<'s, 'a, S>,
+    /// Contributions that weren't finite, or negative.
+    pub rejected: u64,
+}
+
+impl<S: Spectrum> Strategies<S> for Drawing<'_, '_, '_, S> {
+    #[inline(always)]
+    fn has(&self, s: usize, t: usize) -> bool {
+        let wanted = Strategy { s, t };
+        self.drawn.only.is_none_or(|only| only == wanted)
+    }
+    #[inline(always)]
+    fn has_more(&self, end: Subpath, vertices: usize) -> bool {
+        match (self.drawn.only, end) {
+            (None, Subpath::Sensor) => true,
+            (None, Subpath::Light) => vertices == 0 || self.drawn.possible.joins,
+            (Some(only), Subpath::Sensor) => only.t > vertices,
+            // s = 1 draws its light anew, but where the sensor sees it.
+            (Some(only), Subpath::Light) => only.s > vertices && (only.s > 1 || only.t == 1),
+        }
+    }
+    // Not inlined: nine places take.
+    #[inline(never)]
+    fn take(&mut self, [s, t]: [usize; 2], value: S, raster: Option<[Real; 2]>) {
+        let Some(value) = value.recorded(&self.scene.waves) else {
+            self.rejected += 1;
+            return;
+        };
+        let drawn = &mut *self.drawn;
+        let (pixel, mut sum) = (drawn.state.pixel, 0.0);
+        spread(&self.scene, raster, pixel, value, &mut |_, v| {
+            sum += importance(v);
+        });
+        drawn.total += sum;
+        // A reservoir of one (Chao 1982); the first is drawn for certain.
+        let certain = sum >= drawn.total;
+        if sum > 0.0 && (certain || drawn.random.one(Purpose::Choice) * drawn.total < sum) {
+            drawn.strategy = Strategy { s, t };
+            drawn.state.contribution = Contribution { value, raster };
+            drawn.state.importance = sum;
+        }
+    }
+}
+
+/// Strategies of paths of `edges` edges that are chosen from: s = 0 … k, as far as light walks are stored.
+#[inline(always)]
+fn strategies(edges: u32, scratch: &ScratchView<'_>) -> u32 {
+    (scratch.capacity() as u32).min(edges) + 1
+}
+
+/// The pixel that `numbers` begin in, and their number for the strategy.
+fn begin(scene: &Scene<'_>, numbers: &mut Recorded<'_>) -> ([u32; 2], Real) {
+    let size = scene.size();
+    let [x, y, choice]: [Real; CHOICES] = numbers.choose();
+    let (column, row) = (within(x, size[0]), within(y, size[1]));
+    numbers.begin([column.1, row.1]);
+    ([column.0, row.0], choice)
+}
 
 /// The path of `edges` edges that `numbers` make, by the strategy that they choose.
 fn evaluate(
@@ -214,40 +260,17 @@ fn evaluate(
     numbers: &mut Recorded<'_>,
     scratch: &mut ScratchView<'_>,
 ) -> State {
-    let size = scene.size();
-    let [x, y, choice]: [Real; CHOICES] = numbers.choose();
-    let (column, row) = (within(x, size[0]), within(y, size[1]));
-    numbers.begin([column.1, row.1]);
-    let pixel = [column.0, row.0];
-    // s = 0 … k, as far as light walks are stored.
-    let most = (scratch.capacity() as u32).min(edges);
-    let (s, _) = within(choice, most + 1);
-    let strategy = One {
+    let (pixel, choice) = begin(scene, numbers);
+    let count = strategies(edges, scratch);
+    let (s, _) = within(choice, count);
+    let only = Strategy {
         s: s as usize,
         t: (edges + 1 - s) as usize,
     };
-    let element = Element::Pixel(pixel);
-    let mut contribution = strategy_with(
-        scene,
-        &scene.tree(),
-        settings,
-        &element,
-        strategy,
-        numbers,
-        scratch,
-    );
-    // 1/P(s, t).
-    contribution.value *= (most + 1) as Real;
-    let Contribution { value, raster } = contribution;
-    let mut sum = 0.0;
-    spread(scene, raster, pixel, value, &mut |_, v| {
-        sum += importance(v);
-    });
-    State {
-        contribution,
-        pixel,
-        importance: sum,
-    }
+    let mut drawn = Drawn::new(scene, Some(only), pixel, Pcg::new(0, 0, 0));
+    let limit = settings.limit().min(edges);
+    draw_with(scene, settings, limit, pixel, &mut drawn, numbers, scratch);
+    drawn.state.times(count)
 }
 
 /// Which of `n` cells of [0, 1) `x` is in, and where in it.
@@ -261,39 +284,51 @@ fn within(x: Real, n: u32) -> (u32, Real) {
     )
 }
 
-/// A path drawn anew: its numbers go to `to`.
+/// Sample `index` of the bootstrap: what all strategies contribute, and the edges and the state of the one that is drawn of them. The numbers go
+/// to `to`.
 fn draw(
     scene: &Scene<'_>,
     settings: &Settings,
-    lengths: &Lengths,
     index: u64,
     [from, to]: [TapeView<'_>; 2],
     scratch: &mut ScratchView<'_>,
-) -> (u32, State) {
-    let mut random = Pcg::new(settings.seed, BOOTSTRAP, index);
-    let edges = lengths.draw(&mut random);
-    if edges > settings.limit() {
-        return (edges, State::NONE);
-    }
-    let mut numbers = Recorded::new(from, to, Mutation::Large, random);
-    let state = evaluate(scene, settings, edges, &mut numbers, scratch);
-    (edges, state)
+) -> (Real, u32, State) {
+    let fresh = Pcg::new(settings.seed, BOOTSTRAP, index);
+    let mut numbers = Recorded::new(from, to, Mutation::Large, fresh);
+    let (pixel, xi) = begin(scene, &mut numbers);
+    let random = Pcg::new(settings.seed, DRAW, index);
+    let mut drawn = Drawn::new(scene, None, pixel, random);
+    let limit = settings.limit();
+    draw_with(
+        scene,
+        settings,
+        limit,
+        pixel,
+        &mut drawn,
+        &mut numbers,
+        scratch,
+    );
+    let Strategy { s, t } = drawn.strategy;
+    let edges = (s + t - 1) as u32;
+    let count = strategies(edges, scratch);
+    // Anywhere in its cell, but for what rounding could take to the next.
+    numbers.decide((s as Real + 0.01 + 0.98 * xi) / count as Real);
+    (drawn.total, edges, drawn.state.times(count))
 }
 
 impl Scene<'_> {
-    /// Path number `index` of those that chains start from: the edges that it has, k, and f* of it. The mean of f*/P(k) is that of the image, over pixels and
-    /// channels, and what [`Chain::advance`] scales by; a chain starts from one of these paths, drawn in proportion to it.
+    /// Sample number `index` of those that chains start from, by both walks from anywhere in the image: all that it contributes, to whatever pixels,
+    /// as an estimate of the image's mean over pixels and channels. The mean of such samples is what [`Chain::advance`] scales by; a chain
+    /// starts from one of them, drawn in proportion to it.
     pub fn bootstrap(
         &self,
         settings: &Settings,
-        lengths: &Lengths,
         index: u64,
         scratch: &mut ScratchView<'_>,
-    ) -> (u32, Real) {
+    ) -> Real {
         let (mut from, mut to) = (Tape::<0>::new(), Tape::<0>::new());
         let tapes = [from.view(), to.view()];
-        let (edges, state) = draw(self, settings, lengths, index, tapes, scratch);
-        (edges, state.importance)
+        draw(self, settings, index, tapes, scratch).0
     }
 }
 
@@ -330,19 +365,18 @@ impl<const N: usize> Chain<N> {
         }
     }
 
-    /// Starts over, as chain number `id`, from the path of [`Scene::bootstrap`] number `index`.
+    /// Starts over, as chain number `id`, from sample number `index` of [`Scene::bootstrap`].
     pub fn start(
         &mut self,
         scene: &Scene<'_>,
         settings: &Settings,
-        lengths: &Lengths,
         id: u64,
         index: u64,
         scratch: &mut ScratchView<'_>,
     ) {
         let [from, to] = &mut self.tapes;
         let tapes = [from.view(), to.view()];
-        let (edges, state) = draw(scene, settings, lengths, index, tapes, scratch);
+        let (_, edges, state) = draw(scene, settings, index, tapes, scratch);
         (self.here, self.state, self.edges) = (1, state, edges);
         (self.id, self.steps, self.small) = (id, 0, [0.0; 2]);
     }
@@ -368,8 +402,11 @@ impl<const N: usize> Chain<N> {
             let mut random = Pcg::new(settings.seed, CHAIN ^ self.id, self.steps);
             self.steps += 1;
             let [kind, accept] = random.two(Purpose::Choice);
-            let mutation = if kind < settings.mutations.large {
+            let Mutations { large, view, .. } = settings.mutations;
+            let mutation = if kind < large {
                 Mutation::Large
+            } else if kind < large + (1.0 - large) * view {
+                Mutation::View
             } else {
                 Mutation::Small(settings.mutations.size)
             };
@@ -383,7 +420,7 @@ impl<const N: usize> Chain<N> {
             } else {
                 1.0
             };
-            if mutation != Mutation::Large {
+            if matches!(mutation, Mutation::Small(_)) {
                 self.small = [self.small[0] + chance, self.small[1] + 1.0];
             }
             stayed += 1.0 - chance;

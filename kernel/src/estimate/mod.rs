@@ -23,7 +23,7 @@ mod scratch;
 mod share;
 
 #[cfg(feature = "metropolis")]
-pub use metropolis::{Chain, Lengths, Mutations};
+pub use metropolis::{Chain, Mutations};
 pub use plan::{LEVELS, Rule, Tree};
 use scratch::{Light, Workspace};
 pub use scratch::{Scratch, ScratchView};
@@ -410,69 +410,76 @@ where
     }
 }
 
-/// A path of one length by one strategy of [`Estimator::Bidirectional`], with geometry answered by `tracer` and numbers by `sampler`.
+/// A sample of `pixel` by those strategies of [`Estimator::Bidirectional`] that `drawn` wants, of paths of `limit` edges at most.
 #[cfg(feature = "metropolis")]
-fn strategy_with<T: Tracer>(
+fn draw_with(
     scene: &Scene<'_>,
-    tracer: &T,
     settings: &Settings,
-    element: &Element,
-    strategy: bidirectional::One,
+    limit: u32,
+    pixel: [u32; 2],
+    drawn: &mut metropolis::Drawn,
     sampler: &mut crate::random::Recorded<'_>,
     scratch: &mut ScratchView<'_>,
-) -> metropolis::Contribution {
+) {
     dispatch(
         scene,
         scratch,
-        Strategy {
+        Draw {
             scene,
-            tracer,
             settings,
-            element,
-            strategy,
+            limit,
+            pixel,
+            drawn,
             sampler,
         },
-    )
+    );
 }
 
-/// What [`strategy_with`] makes.
+/// What [`draw_with`] does.
 #[cfg(feature = "metropolis")]
-struct Strategy<'w, 's, 'a, 'n, T> {
+struct Draw<'w, 's, 'a, 'n> {
     scene: &'s Scene<'a>,
-    tracer: &'w T,
     settings: &'w Settings,
-    element: &'w Element,
-    strategy: bidirectional::One,
+    limit: u32,
+    pixel: [u32; 2],
+    drawn: &'w mut metropolis::Drawn,
     sampler: &'w mut crate::random::Recorded<'n>,
 }
 
 #[cfg(feature = "metropolis")]
-impl<T: Tracer> Errand for Strategy<'_, '_, '_, '_, T> {
-    type Result = metropolis::Contribution;
+impl Errand for Draw<'_, '_, '_, '_> {
+    type Result = ();
 
     #[inline(never)]
-    fn run<K: Instance>(self, scratch: &mut Workspace<'_, K::S>) -> metropolis::Contribution {
+    fn run<K: Instance>(self, scratch: &mut Workspace<'_, K::S>) {
         let Self {
-            settings, sampler, ..
+            scene,
+            settings,
+            limit,
+            pixel,
+            drawn,
+            sampler,
         } = self;
         let (waves, lead) = channels::<K, _>(sampler);
-        let view = View::new(self.scene, waves);
-        let mut trace = Trace::<T, K>::new(view, self.tracer, lead, settings.roulette);
-        let (value, raster) = bidirectional::one(
+        let (view, tree) = (View::new(scene, waves), scene.tree());
+        let mut trace = Trace::<_, K>::new(view, &tree, lead, settings.roulette);
+        let mut drawing = metropolis::Drawing {
+            drawn,
+            scene: view,
+            rejected: 0,
+        };
+        let element = &Element::Pixel(pixel);
+        bidirectional::join(
             &mut trace,
             settings,
-            self.element,
-            self.strategy,
+            limit,
+            element,
+            &mut drawing,
             sampler,
             scratch,
         );
-        let value = accept(value, &waves);
-        trace.counters.rejected += u64::from(value.is_none());
+        trace.counters.rejected += drawing.rejected;
         *scratch.counters += trace.counters;
-        metropolis::Contribution {
-            value: value.unwrap_or(Rgb::BLACK),
-            raster,
-        }
     }
 }
 

@@ -37,6 +37,7 @@ pub struct Tape<const N: usize> {
 
 /// Numbers of the third stream: column, row, strategy.
 pub const CHOICES: usize = 3;
+const STRATEGY: usize = 2;
 
 impl<const N: usize> Tape<N> {
     /// Nothing recorded.
@@ -78,6 +79,8 @@ pub struct TapeView<'t> {
 pub enum Mutation {
     /// In everything.
     Large,
+    /// In where in the image the sensor's walk begins and in all that it is made of, in nothing of the light's walk.
+    View,
     /// By steps of at most this size in each number (Kelemen et al. 2002, §4.3: their logarithms are uniform down to
     /// a 1024th of it).
     Small(Real),
@@ -127,13 +130,20 @@ impl<'t> Recorded<'t> {
 
     /// What the path begins with: a place in the image, in [0, 1)², and a number for the strategy.
     pub fn choose(&mut self) -> [Real; CHOICES] {
-        for (new, old) in self.after.choice.iter_mut().zip(self.before.choice.iter()) {
+        let pairs = self.after.choice.iter_mut().zip(self.before.choice.iter());
+        for ((new, old), i) in pairs.zip(0..) {
             *new = match self.mutation {
-                Mutation::Large => self.fresh.one(Purpose::Choice),
                 Mutation::Small(size) => moved(*old, size, &mut self.fresh),
+                Mutation::View if i == STRATEGY => *old,
+                Mutation::Large | Mutation::View => self.fresh.one(Purpose::Choice),
             };
         }
         *self.after.choice
+    }
+
+    /// Records that the strategy was chosen by `number`.
+    pub fn decide(&mut self, number: Real) {
+        self.after.choice[STRATEGY] = number;
     }
 
     /// Says where in its pixel the path begins, in [0, 1)².
@@ -199,12 +209,15 @@ impl Sampler for Recorded<'_> {
         *mask |= 1 << slot;
         let old = before.recorded.get(*walk).and_then(|w| w.get(*vertex));
         let known = old.is_some_and(|old| old & 1 << slot != 0);
+        let old = || {
+            let old = before.numbers.get(*walk).and_then(|w| w.get(*vertex));
+            let old = old.and_then(|numbers| numbers.get(slot as usize));
+            old.copied().unwrap_or_default()
+        };
+        let kept = *walk == Subpath::Light as usize || matches!(purpose, Purpose::Lead);
         let value = match *mutation {
-            Mutation::Small(size) if known => {
-                let old = before.numbers.get(*walk).and_then(|w| w.get(*vertex));
-                let old = old.and_then(|numbers| numbers.get(slot as usize));
-                moved(old.copied().unwrap_or_default(), size, fresh)
-            }
+            Mutation::Small(size) if known => moved(old(), size, fresh),
+            Mutation::View if known && kept => old(),
             _ => fresh.one(purpose),
         };
         if let Some(number) = numbers.get_mut(slot as usize) {

@@ -1,7 +1,7 @@
 //! What must hold of every scene that the gate lets in.
 
 use etendue::blob::format::needs;
-use etendue::estimate::{Chain, Lengths, Rule, Tree};
+use etendue::estimate::{Chain, Rule, Tree};
 use etendue::random::Sequence;
 use etendue::real::Vec3;
 use etendue::shape::IsaKind;
@@ -99,12 +99,12 @@ fn answers(scene: &Scene<'_>, seed: u64) -> Answers {
 /// A few steps of a few chains.
 fn chains(scene: &Scene<'_>, settings: &Settings, scratch: &mut Scratch<8>, out: &mut Answers) {
     let [width, height] = scene.size();
-    let (lengths, mut chain) = (Lengths::default(), Chain::<4>::new());
+    let mut chain = Chain::<4>::new();
     for path in 0..6 {
         let view = &mut scratch.view(scene);
-        let (_, importance) = scene.bootstrap(settings, &lengths, path, view);
-        assert!(importance.is_finite() && importance >= 0.0, "{importance}");
-        chain.start(scene, settings, &lengths, path, path, view);
+        let mean = scene.bootstrap(settings, path, view);
+        assert!(mean.is_finite() && mean >= 0.0, "{mean}");
+        chain.start(scene, settings, path, path, view);
         let (mut splats, mut count) = (Rgb::BLACK, 0);
         chain.advance(scene, settings, 1.0, 6, view, &mut |[x, y], value| {
             assert!(x < width && y < height, "a splat at {x}, {y}");
@@ -112,7 +112,7 @@ fn chains(scene: &Scene<'_>, settings: &Settings, scratch: &mut Scratch<8>, out:
             splats += value;
             count += 1;
         });
-        out.push(([importance; 3], splats.to_array(), count));
+        out.push(([mean; 3], splats.to_array(), count));
     }
 }
 

@@ -44,20 +44,18 @@ fn main() -> ! {
     loop {}
 }
 
-/// One chain, from the first path of its bootstrap.
+/// One chain, from the first sample of its bootstrap.
 #[cfg(feature = "metropolis")]
 fn chains(scene: &Scene<'_>, scratch: &mut Scratch<8>) {
-    use etendue::estimate::{Chain, Lengths};
+    use etendue::estimate::Chain;
     let settings = Settings {
         estimator: Estimator::Metropolis,
         ..Settings::default()
     };
-    let lengths = Lengths::default();
     let scratch = &mut scratch.view(scene);
-    let (edges, importance) = scene.bootstrap(&settings, &lengths, 0, scratch);
-    let scale = importance / lengths.probability(edges);
+    let scale = scene.bootstrap(&settings, 0, scratch);
     let mut chain = Chain::<16>::new();
-    chain.start(scene, &settings, &lengths, 0, 0, scratch);
+    chain.start(scene, &settings, 0, 0, scratch);
     let mut splat = |pixel, value| {
         black_box((pixel, value));
     };
