@@ -10,6 +10,7 @@
 const ABI_VERSION = 1;
 const SCENE_SIZE = 384;
 const ALIGN = 16; // of blobs, scenes, scratch and films
+const SETTINGS_SIZE = 72; // sizeof(EtdSettings)
 const SUM_SIZE = 48; // of a pixel in a film: three integers of 128 bits
 
 /** The estimators, by the numbers of `etendue.h`. */
@@ -145,11 +146,11 @@ export class Scene {
         sequence = "independent", roulette = 0.5,
     }) {
         const at = this.#small + 256;
-        this.#write(at).u32(64).u32(ESTIMATORS[estimator]).u32(HEURISTICS[heuristic]).u32(maxEdges).u64(seed);
+        this.#write(at).u32(SETTINGS_SIZE).u32(ESTIMATORS[estimator]).u32(HEURISTICS[heuristic]).u32(maxEdges).u64(seed);
         this.#bytes(at + 24, 8).fill(0).set(branching);
         this.#write(at + 32).u32(lightSamples).u32(quadrature).u32(steps).u32(shift ? 1 : 0);
-        // The last two are those of chains, which have no functions here.
-        this.#write(at + 48).u32(SEQUENCES[sequence]).f32([roulette, 0.3, 1 / 64]);
+        // The last three are those of chains, which have no functions here.
+        this.#write(at + 48).u32(SEQUENCES[sequence]).f32([roulette, 0.1, 1 / 64, 0.3]);
         return at;
     }
 
