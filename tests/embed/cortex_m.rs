@@ -1,7 +1,7 @@
 //! A microcontroller: the same bits on an emulated Cortex-M4F, in 64 KB of RAM.
 
 use crate::bits::expected;
-use crate::tools::{build_core, have, have_core, run, target, text};
+use crate::tools::{cross, have, have_library, run, target, text};
 use std::process::Command;
 
 const TARGET: &str = "thumbv7em-none-eabihf";
@@ -14,17 +14,11 @@ const TEXT: usize = 64 * 1024;
 
 #[test]
 fn a_microcontroller_renders_the_same_bits_in_little_memory() {
-    if !have_core() || !have("qemu-system-arm") {
+    if !have_library(TARGET) || !have("qemu-system-arm") {
         return;
     }
     let folder = target("cortex-m");
-    run(
-        build_core("kernel/examples/cortex-m", &folder, TARGET).args([
-            "--release",
-            "--bin",
-            "suite",
-        ]),
-    );
+    run(cross("kernel/examples/cortex-m", &folder, TARGET).args(["--release", "--bin", "suite"]));
     let program = folder.join(TARGET).join("release/suite");
     let output = run(Command::new("timeout")
         .args(["300", "qemu-system-arm", "-cpu", "cortex-m4"])
@@ -46,19 +40,17 @@ fn a_microcontroller_renders_the_same_bits_in_little_memory() {
 
 #[test]
 fn the_smallest_build_fits_into_little_flash() {
-    if !have_core() || !have("size") {
+    if !have_library(TARGET) || !have("size") {
         return;
     }
     let folder = target("cortex-m");
-    run(
-        build_core("kernel/examples/cortex-m", &folder, TARGET).args([
-            "--profile",
-            "small",
-            "--bin",
-            "smallest",
-            "--no-default-features",
-        ]),
-    );
+    run(cross("kernel/examples/cortex-m", &folder, TARGET).args([
+        "--profile",
+        "small",
+        "--bin",
+        "smallest",
+        "--no-default-features",
+    ]));
     let program = folder.join(TARGET).join("small/smallest");
     let printed = text(&run(Command::new("size").arg(program)));
     let size: usize = printed

@@ -1,7 +1,7 @@
 //! The static library without an operating system: links with nothing undefined, holds no panic, gives the same bits.
 
 use crate::bits::{data, expected};
-use crate::tools::{build_core, cargo, have, have_core, run, target, text};
+use crate::tools::{cargo, cross, have, have_library, run, target, text};
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::render::{Budget, Device, Options, render};
 use etendue_host::scene::{Changes, prepare};
@@ -97,17 +97,13 @@ fn without_a_system_it_renders_the_same_bits_and_cannot_panic() {
 
 #[test]
 fn the_same_on_aarch64() {
+    const TARGET: &str = "aarch64-unknown-linux-gnu";
     let tools = ["aarch64-linux-gnu-gcc", "qemu-aarch64"];
-    if !have_core() || !tools.iter().all(|tool| have(tool)) {
+    if !have_library(TARGET) || !tools.iter().all(|tool| have(tool)) {
         return;
     }
-    const TARGET: &str = "aarch64-unknown-linux-gnu";
     let folder = target("aarch64");
-    run(build_core("kernel/capi", &folder, TARGET).args([
-        "--release",
-        "--features",
-        "prove-no-panic",
-    ]));
+    run(cross("kernel/capi", &folder, TARGET).args(["--release", "--features", "prove-no-panic"]));
     let library = folder.join(TARGET).join("release/libetendue.a");
     build_and_run(tools[0], &library, Some(tools[1]), &folder);
 }

@@ -10,13 +10,15 @@ pub fn have(tool: &str) -> bool {
         || std::env::var_os("PATH").is_some_and(|path| {
             std::env::split_paths(&path).any(|folder| folder.join(tool).is_file())
         });
+    missing_in_ci(found, &format!("{tool} is not installed"))
+}
+
+/// Says why a test is skipped if something wasn't found.
+fn missing_in_ci(found: bool, why: &str) -> bool {
     if !found {
         let ci = std::env::var_os("CI").is_some_and(|v| v == "true");
-        assert!(
-            !ci,
-            "{tool} is missing: .ci/install should have installed it"
-        );
-        println!("skipped: {tool} is not installed");
+        assert!(!ci, "{why}: .ci/install should have installed it");
+        println!("skipped: {why}");
     }
     found
 }
@@ -59,32 +61,25 @@ pub fn cargo(package: &str, folder: &Path) -> Command {
     command
 }
 
-/// The compiler that Debian ships with its library's source, to build `core` for targets whose own can't be had.
-const RUSTC: &str = "/usr/bin/rustc";
-
-/// Whether `core` can be built for other targets (packages rustc-web and rust-web-src).
-pub fn have_core() -> bool {
-    have(RUSTC) && have("/usr/lib/rustlib/src/rust/library/core/Cargo.toml")
+/// Whether there is a library for another target, by `kernel/cross`. As [`have`], a test that lacks it is skipped, but in CI.
+pub fn have_library(triple: &str) -> bool {
+    let asked = Command::new(root().join("kernel/cross"))
+        .arg(triple)
+        .output()
+        .unwrap();
+    missing_in_ci(
+        asked.status.success(),
+        String::from_utf8_lossy(&asked.stderr).trim(),
+    )
 }
 
-/// Cargo for a package outside of the workspace, with `core` built for `triple`.
-pub fn build_core(package: &str, folder: &Path, triple: &str) -> Command {
-    let sysroot = text(&run(Command::new("rustc").args(["--print", "sysroot"])));
-    let linkers = Path::new(sysroot.trim()).join("lib/rustlib/x86_64-unknown-linux-gnu/bin");
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let path = std::env::join_paths(std::env::split_paths(&path).chain([linkers.clone()])).unwrap();
-    let mut command = Command::new(env!("CARGO"));
+/// Cargo for a package outside of the workspace and for another target, into a target folder of its own.
+pub fn cross(package: &str, folder: &Path, triple: &str) -> Command {
+    let mut command = Command::new(root().join("kernel/cross"));
     command
         .current_dir(root().join(package))
-        .args(["build", "--locked", "-Zbuild-std=core", "--target", triple])
+        .args([triple, "build", "--locked"])
         .env("CARGO_TARGET_DIR", folder)
-        .env(
-            "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER",
-            linkers.join("rust-lld"),
-        )
-        .env("RUSTC", RUSTC)
-        .env("RUSTC_BOOTSTRAP", "1")
-        .env("PATH", path)
         .env_remove("RUSTFLAGS");
     command
 }

@@ -2,7 +2,7 @@
 
 use crate::bits::{data, expected};
 use crate::c::{cornell, hello};
-use crate::tools::{have, have_core, run, target, text};
+use crate::tools::{have, have_library, run, target, text};
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::render::{Budget, Device, Options, render};
@@ -13,6 +13,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
+
+const TARGET: &str = "wasm32-unknown-unknown";
 
 /// Most bytes of the module.
 const SIZE: usize = 150_000;
@@ -62,7 +64,7 @@ fn sections(module: &[u8]) -> Vec<u8> {
 
 #[test]
 fn the_module_is_small_and_imports_nothing() {
-    if !have_core() {
+    if !have_library(TARGET) {
         return;
     }
     let bytes = std::fs::read(module()).unwrap();
@@ -76,7 +78,7 @@ fn the_module_is_small_and_imports_nothing() {
 
 #[test]
 fn webassembly_gives_the_same_bits() {
-    if !have_core() || !have("node") {
+    if !have_library(TARGET) || !have("node") {
         return;
     }
     let suite = node("tests/embed/bits.mjs")
@@ -90,7 +92,7 @@ fn webassembly_gives_the_same_bits() {
 
 #[test]
 fn hello_irradiance_prints_what_c_prints() {
-    if !have_core() || !have("node") || !have("gcc") {
+    if !have_library(TARGET) || !have("node") || !have("gcc") {
         return;
     }
     let folder = target("hello-web");
@@ -116,7 +118,7 @@ fn hello_irradiance_prints_what_c_prints() {
 
 #[test]
 fn damaged_blobs_are_errors_not_traps() {
-    if !have_core() || !have("node") {
+    if !have_library(TARGET) || !have("node") {
         return;
     }
     let printed = text(&run(node("tests/embed/broken.mjs")
@@ -164,7 +166,7 @@ fn native(scene: &str, estimator: Estimator, passes: u32) -> String {
 
 #[test]
 fn the_page_renders_the_same_bits_with_any_number_of_workers() {
-    if !have_core() || !have("node") || !have("chromium") {
+    if !have_library(TARGET) || !have("node") || !have("chromium") {
         return;
     }
     let screenshot = BUILT.join("screenshot.png");
@@ -198,7 +200,7 @@ fn the_page_renders_the_same_bits_with_any_number_of_workers() {
 /// A file that is no blob is said to be none, in a line, and the page goes on.
 #[test]
 fn the_page_says_what_is_wrong_with_a_dropped_file() {
-    if !have_core() || !have("node") || !have("chromium") {
+    if !have_library(TARGET) || !have("node") || !have("chromium") {
         return;
     }
     let wishes = "scene=cornell-box&estimator=path&spp=1";
