@@ -233,16 +233,9 @@ impl Plan<'_, '_> {
     fn pass(&self, id: u64, pass: u64, link: &mut Link, worker: &mut Worker) {
         let Self { job, settings, .. } = self;
         let Worker {
-            scratch,
-            splats,
-            refused,
+            scratch, splats, ..
         } = worker;
-        let (step, width) = (job.step, job.size[0] as usize);
-        let splat = &mut |[x, y]: [u32; 2], value| {
-            if let Some(sum) = splats.get_mut(y as usize * width + x as usize) {
-                step.add(sum, value, refused);
-            }
-        };
+        let splat = &mut |pixel, value| splats.add(pixel, value);
         let (view, scale) = (&mut scratch.view(job.scene), self.scale as Real);
         let chain = &mut link.chain;
         chain.advance(job.scene, settings, scale, self.steps, view, splat);
@@ -252,7 +245,7 @@ impl Plan<'_, '_> {
         let first = self.first_start(id, pass / self.period);
         for index in first..first + self.starts {
             let estimate = self.estimate(index, scratch);
-            link.mean.add(step, estimate);
+            link.mean.add(job.step, estimate);
             if link.mean.count <= MOST_STARTS / self.chains {
                 link.estimates.push(estimate);
             }

@@ -13,6 +13,7 @@ mod cuda;
 mod double;
 mod pilot;
 mod rates;
+mod splats;
 mod tiles;
 mod until;
 
@@ -32,6 +33,7 @@ use crew::each_once;
 use etendue::film::{Refused, Step, Sum, merge};
 use etendue::{Counters, Estimator, Scene, Scratch, Settings};
 use rates::Rates;
+use splats::Splats;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -128,8 +130,8 @@ pub enum RenderError {
 /// What a thread works in and adds to.
 struct Worker {
     scratch: Box<Scratch<CAPACITY>>,
-    /// What its samples give to other pixels; empty for an estimator that gives nothing.
-    splats: Vec<Sum>,
+    splats: Splats,
+    /// What samples' own pixels could not take.
     refused: Refused,
 }
 
@@ -270,8 +272,10 @@ impl Course {
         let mut splats = Vec::new();
         for worker in idle.drain(..) {
             self.counters += worker.scratch.counters;
+            let (film, refused) = worker.splats.finish();
             self.refused += worker.refused;
-            splats.push(worker.splats);
+            self.refused += refused;
+            splats.push(film);
         }
         splats
     }
@@ -404,14 +408,10 @@ impl Job<'_> {
 
 impl Worker {
     fn new(job: &Job<'_>) -> Result<Self, RenderError> {
-        let splats = if job.settings.estimator.splats() {
-            film(job.size)?
-        } else {
-            Vec::new()
-        };
+        let wanted = job.settings.estimator.splats();
         Ok(Self {
             scratch: Box::new(Scratch::new()),
-            splats,
+            splats: Splats::new(job.step, job.size, wanted)?,
             refused: Refused::default(),
         })
     }
@@ -433,12 +433,7 @@ impl Worker {
         for (pixel, sum) in tile.pixels() {
             let samples = rates.count(pixel, passes.start)..rates.count(pixel, passes.end);
             for index in samples {
-                let splat = &mut |[x, y]: [u32; 2], value| {
-                    let at = y as usize * job.size[0] as usize + x as usize;
-                    if let Some(sum) = splats.get_mut(at) {
-                        step.add(sum, value, refused);
-                    }
-                };
+                let splat = &mut |pixel, value| splats.add(pixel, value);
                 let value = job
                     .scene
                     .estimate(&job.settings, pixel, index, scratch, splat);
