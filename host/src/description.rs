@@ -47,10 +47,15 @@ pub struct Description {
 impl Description {
     /// Whether paths carry wavelengths.
     pub fn spectral(&self) -> bool {
-        let disperses = |m: &Material| matches!(m.model, Model::Dispersive { .. });
+        let by_wavelength = |m: &Material| match &m.model {
+            Model::Conductor { spectra, .. } | Model::RoughConductor { spectra, .. } => {
+                spectra.is_some()
+            }
+            model => matches!(model, Model::Dispersive { .. }),
+        };
         match self.carry {
             Carry::AsNeeded => {
-                self.materials.iter().any(disperses)
+                self.materials.iter().any(by_wavelength)
                     || self
                         .textures
                         .iter()
@@ -260,6 +265,8 @@ pub enum Model {
         eta: Color,
         /// Imaginary part.
         k: Color,
+        /// Both by wavelength, if that is known: `eta` and `k` are what they stand for where paths carry no wavelengths.
+        spectra: Option<[Spectrum; 2]>,
         /// Scale.
         reflectance: ColorSource,
     },
@@ -325,6 +332,8 @@ pub enum Model {
         eta: Color,
         /// Imaginary part.
         k: Color,
+        /// Both by wavelength, if that is known: `eta` and `k` are what they stand for where paths carry no wavelengths.
+        spectra: Option<[Spectrum; 2]>,
         /// Scale.
         reflectance: ColorSource,
         /// The facets.

@@ -25,7 +25,12 @@ pub(crate) fn emitted(rows: &[[f32; 2]]) -> Color {
     color(seen(|nm| at(rows, nm)))
 }
 
+/// What a spectrum is to red, green and blue, by white light: a flat one is its value in each.
+pub(crate) fn weighed(rows: &[[f32; 2]]) -> Color {
+    color(seen(|nm| at(rows, nm) * white(nm)))
+}
+
 /// The colour of what reflects a spectrum of white light.
 pub(crate) fn reflected(rows: &[[f32; 2]]) -> Color {
-    color(seen(|nm| at(rows, nm) * white(nm))).map(|x| x.min(1.0))
+    weighed(rows).map(|x| x.min(1.0))
 }

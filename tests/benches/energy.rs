@@ -24,6 +24,7 @@ const SLANT: f64 = 0.258_819_045_102_520_8;
 fn albedo(facets: Facets, cosine: f64) -> f64 {
     let mut b = Builder::new();
     let model = Model::RoughConductor {
+        spectra: None,
         eta: [0.0; 3],
         k: [1.0; 3],
         reflectance: ColorSource::Constant([1.0; 3]),

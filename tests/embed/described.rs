@@ -174,6 +174,7 @@ fn textures_and_materials() {
         ETD_CONDUCTOR,
         none,
         Model::Conductor {
+            spectra: None,
             eta: [0.5, 1.0, 1.5],
             k: [2.0, 3.0, 0.0],
             reflectance: constant(a),

@@ -122,6 +122,7 @@ fn glossy(b: &mut Builder) {
             fresnel: false,
         },
         Model::RoughConductor {
+            spectra: None,
             eta: [0.0; 3],
             k: [1.0; 3],
             reflectance: grey,

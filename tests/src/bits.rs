@@ -108,6 +108,7 @@ fn matter() -> Description {
         let mirror = Some(b.mirror(0.9));
         b.quad([-0.3, 0.9, 0.2], [0.6, 0.05, 0.0], [0.0, 0.0, 0.9], mirror);
         let gold = b.material(Model::Conductor {
+            spectra: None,
             eta: [0.14, 0.37, 1.44],
             k: [3.98, 2.39, 1.6],
             reflectance: constant(1.0),
@@ -173,12 +174,14 @@ fn gloss() -> Description {
         };
         let models = [
             Model::RoughConductor {
+                spectra: None,
                 eta: [0.14, 0.37, 1.44],
                 k: [3.98, 2.39, 1.6],
                 reflectance: constant(1.0),
                 facets: facets(0.2, Distribution::Ggx, Masking::Correlated, true),
             },
             Model::RoughConductor {
+                spectra: None,
                 eta: [0.0; 3],
                 k: [1.0; 3],
                 reflectance: board,

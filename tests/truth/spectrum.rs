@@ -10,6 +10,7 @@ mod single {
     use etendue as kernel;
 
     mod hero;
+    mod metal;
     mod observer;
     mod prism;
 }
@@ -19,6 +20,7 @@ mod double {
     use etendue_f64 as kernel;
 
     mod hero;
+    mod metal;
     mod observer;
     mod prism;
 }

@@ -454,6 +454,7 @@ fn model(m: &EtdMaterial, scene: &Described) -> Result<Model, Trouble> {
             Err(bad("material: eta must be > 0, k >= 0"))
         }
         ETD_CONDUCTOR => Ok(Model::Conductor {
+            spectra: None,
             eta: m.eta,
             k: m.k,
             reflectance: a,
@@ -499,6 +500,7 @@ fn model(m: &EtdMaterial, scene: &Described) -> Result<Model, Trouble> {
             fresnel: m.flags & ETD_FRESNEL != 0,
         }),
         ETD_ROUGH_CONDUCTOR => Ok(Model::RoughConductor {
+            spectra: None,
             eta: m.eta,
             k: m.k,
             reflectance: a,

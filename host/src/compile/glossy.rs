@@ -1,7 +1,8 @@
 //! What glossy materials have worked out for them: normalisations, mean reflectances, and the curves of what microfacets lose
 //! or let in, by quadrature over the facets that a direction sees, with the kernel's own functions.
 
-use crate::description::{Color, Distribution, Facets, Masking};
+use crate::description::{Color, Distribution, Facets, Masking, Spectrum};
+use crate::spectra::at;
 use etendue::blob::format::{Material, material};
 use etendue::real::Vec3;
 use etendue::surface::curve::Curve;
@@ -49,6 +50,15 @@ pub(super) fn mean_reflectance(eta: Color, k: Color) -> Color {
     std::array::from_fn(|c| {
         hemisphere(256, |cos| fresnel::conductor(eta[c], k[c], cos)).clamp(0.0, 1.0)
     })
+}
+
+/// The same by wavelength, at each row of either table.
+pub(super) fn mean_reflectances(eta: &[[f32; 2]], k: &[[f32; 2]]) -> Spectrum {
+    let mut rows: Vec<f32> = eta.iter().chain(k).map(|[nm, _]| *nm).collect();
+    rows.sort_by(f32::total_cmp);
+    rows.dedup();
+    let mean = |nm| mean_reflectance([at(eta, nm); 3], [at(k, nm); 3])[0];
+    rows.into_iter().map(|nm| [nm, mean(nm)]).collect()
 }
 
 /// How much of diffuse light inside a smooth coat is reflected: 1 − (1 − ρ_e)/η², as (1 − ρ_e) comes in from outside (Duntley 1942).

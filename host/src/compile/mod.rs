@@ -17,8 +17,8 @@ use emitters::{Emitters, Emitting};
 use etendue::Scene;
 use etendue::blob::BlobError;
 use etendue::blob::format::{
-    Emitter, LANES, NONE, Node, Shape, Sphere, Triangle, World, child, emitter, material, needs,
-    section,
+    Emitter, LANES, Material, NONE, Node, Shape, Sphere, Triangle, World, child, emitter, material,
+    needs, section,
 };
 use geometry::{Flat, size, sphere_area, triangle_area};
 use media::space::{self, Found};
@@ -304,7 +304,7 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
     writer.section(section::GRIDS, &media.grids);
     let blob = writer.finish(bits, film_exponent(emitters.scale));
     if let Err(e) = Scene::open(blob.bytes()) {
-        return Err(refused(d, &e, &emitters.emitters));
+        return Err(refused(d, &e, &emitters.emitters, &surfaces.materials));
     }
     Ok(Compiled {
         blob,
@@ -321,11 +321,17 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
 }
 
 /// What the gate says of a blob, said of what the description calls it.
-fn refused(d: &Description, e: &BlobError, emitters: &[Emitter]) -> CompileError {
+fn refused(
+    d: &Description,
+    e: &BlobError,
+    emitters: &[Emitter],
+    materials: &[Material],
+) -> CompileError {
     let nowhere = |name: &str| (Place::default(), name.to_string());
     let of_shape = |s: usize| d.shapes.get(s).map(|s| (s.place.clone(), s.name.clone()));
     let index = e.index as usize;
     let of_medium = |m: usize| d.media.get(m).map(|m| (m.place.clone(), m.name.clone()));
+    let of_material = |m: usize| d.materials.get(m).map(|m| nowhere(&m.name));
     // The lights of shapes and media stand before the others.
     let of_light = || {
         let e = emitters.get(index)?;
@@ -342,8 +348,13 @@ fn refused(d: &Description, e: &BlobError, emitters: &[Emitter]) -> CompileError
     let found = match e.section {
         section::SENSOR => Some(nowhere("sensor")),
         section::SHAPES => of_shape(index),
-        section::MATERIALS => d.materials.get(index).map(|m| nowhere(&m.name)),
-        section::TEXTURES => d.textures.get(index).map(|t| nowhere(&t.name)),
+        section::MATERIALS => of_material(index),
+        section::TEXTURES => d.textures.get(index).map(|t| nowhere(&t.name)).or_else(|| {
+            // Made for a material.
+            let its = |m: &Material| m.texture.contains(&e.index);
+            let material = materials.iter().position(its);
+            material.and_then(of_material)
+        }),
         section::EMITTERS => of_light(),
         section::MEDIA => of_medium(index),
         _ => None,

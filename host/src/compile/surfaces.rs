@@ -1,7 +1,9 @@
 //! Materials and textures.
 
 use super::glossy;
-use crate::description::{Color, ColorSource, Description, Index, Model, Pattern, Texels, Wrap};
+use crate::description::{
+    Color, ColorSource, Description, Index, Model, Pattern, Spectrum, Texels, Wrap,
+};
 use crate::spectra::{append, reflected};
 use bytemuck::Zeroable;
 use etendue::blob::format::{self, Material, NONE, Texture, material, needs, texture};
@@ -91,6 +93,27 @@ impl Surfaces {
         self.textures.push(t);
     }
 
+    /// A texture of values in [0, 1] by wavelength.
+    fn spectrum(&mut self, rows: &[[f32; 2]]) -> u32 {
+        self.texture(&Pattern::Spectrum(rows.to_vec()), IDENTITY);
+        self.textures.len() as u32 - 1
+    }
+
+    /// A conductor's η and k by wavelength: textures of what they are over their largest value. Without wavelengths they are what the model says.
+    fn by_wavelength(&mut self, m: &mut Material, spectra: &Option<[Spectrum; 2]>) {
+        let Some(spectra) = spectra else { return };
+        for (i, rows) in spectra.iter().enumerate() {
+            let constant = if i == 0 { &mut m.eta } else { &mut m.k };
+            let most = rows.iter().map(|[_, x]| *x);
+            let most = most.chain(*constant).fold(f32::MIN_POSITIVE, f32::max);
+            let shares: Vec<_> = rows.iter().map(|[nm, x]| [*nm, x / most]).collect();
+            let id = self.spectrum(&shares);
+            self.textures[id as usize].color[0] = constant.map(|x| x / most);
+            *constant = [most; 3];
+            m.texture[2 + i] = id;
+        }
+    }
+
     /// A texture that is the same everywhere: how a constant opacity is said.
     pub fn constant(&mut self, color: Color) -> u32 {
         self.texture(&Pattern::Checkerboard { colors: [color; 2] }, IDENTITY);
@@ -147,10 +170,12 @@ impl Surfaces {
             Model::Conductor {
                 eta,
                 k,
+                ref spectra,
                 reflectance,
             } => {
                 m.kind = material::CONDUCTOR;
                 (m.eta, m.k) = (eta, k);
+                self.by_wavelength(&mut m, spectra);
                 set(&mut m, 0, reflectance);
                 self.needs |= needs::DIRAC;
             }
@@ -247,15 +272,21 @@ impl Surfaces {
             Model::RoughConductor {
                 eta,
                 k,
+                ref spectra,
                 reflectance,
                 facets,
             } => {
                 m.kind = material::ROUGH_CONDUCTOR;
                 (m.eta, m.k) = (eta, k);
+                self.by_wavelength(&mut m, spectra);
                 (m.flags, m.gloss) = (glossy::flags(&facets), facets.alpha);
                 set(&mut m, 0, reflectance);
                 if facets.compensated {
                     m.color[1] = glossy::mean_reflectance(eta, k);
+                    if let Some([eta, k]) = spectra {
+                        m.color[1] = [1.0; 3];
+                        m.texture[1] = self.spectrum(&glossy::mean_reflectances(eta, k));
+                    }
                     m.link[0] = self.curve(glossy::conductor_loss(&m));
                 }
             }

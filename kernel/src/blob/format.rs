@@ -286,7 +286,8 @@ pub mod material {
     pub const DIFFUSE: u32 = 0;
     /// Perfect mirror: `color[0]` reflectance.
     pub const MIRROR: u32 = 1;
-    /// Smooth conductor: `eta` + i`k` relative to outside, `color[0]` scales.
+    /// Smooth conductor: `eta` + i`k` relative to outside, `color[0]` scales. `texture[2]` and `texture[3]` are multiplied to `eta` and
+    /// `k`: what they are by wavelength, over the largest.
     pub const CONDUCTOR: u32 = 2;
     /// Smooth dielectric: `ior` (inside over outside), `color[0]` scales reflection, `color[1]` transmission.
     pub const DIELECTRIC: u32 = 3;

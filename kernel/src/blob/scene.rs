@@ -289,7 +289,7 @@ impl<'a> Scene<'a> {
 
     /// The textures, for resolving a material.
     #[inline(always)]
-    pub(crate) fn texture_view(&self) -> TextureView<'a> {
+    pub fn texture_view(&self) -> TextureView<'a> {
         TextureView {
             textures: self.textures,
             texels: self.texels,

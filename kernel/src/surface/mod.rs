@@ -36,7 +36,7 @@ pub use outlined::{Outlined, Phong, Plastic, RoughConductor, RoughDielectric, Ro
 pub use sheet::Sheet;
 pub use texture::TextureView;
 
-use crate::blob::format::{Material, material};
+use crate::blob::format::{Material, NONE, material};
 use crate::instance::Instance;
 use crate::real::{Real, Vec3};
 use crate::spectrum::Spectrum;
@@ -220,8 +220,8 @@ impl<S: Spectrum> Surface<S> {
                 reflectance: color(0),
             }),
             material::CONDUCTOR => Self::Conductor(Conductor {
-                eta: S::lift(m.eta, waves),
-                k: S::lift(m.k, waves),
+                eta: textured(m.eta, m.texture[2], textures, waves, uv),
+                k: textured(m.k, m.texture[3], textures, waves, uv),
                 reflectance: color(0),
             }),
             material::DIELECTRIC => Self::Dielectric(Dielectric {
@@ -256,12 +256,26 @@ fn color<S: Spectrum>(
     waves: &S::Waves,
     uv: [Real; 2],
 ) -> S {
-    let constant = S::lift(m.color.get(role).copied().unwrap_or([0.0; 3]), waves);
-    match m.texture.get(role) {
-        Some(&id) if id != crate::blob::format::NONE => {
-            constant * textures.color::<S>(id, uv, waves)
-        }
-        _ => constant,
+    match (m.color.get(role), m.texture.get(role)) {
+        (Some(&constant), Some(&id)) => textured(constant, id, textures, waves, uv),
+        _ => S::BLACK,
+    }
+}
+
+/// A constant times texture `id`, if there is one.
+#[inline(always)]
+fn textured<S: Spectrum>(
+    constant: [f32; 3],
+    id: u32,
+    textures: TextureView<'_>,
+    waves: &S::Waves,
+    uv: [Real; 2],
+) -> S {
+    let constant = S::lift(constant, waves);
+    if id == NONE {
+        constant
+    } else {
+        constant * textures.color::<S>(id, uv, waves)
     }
 }
 

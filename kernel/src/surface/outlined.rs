@@ -19,7 +19,7 @@ pub use rough_plastic::RoughPlastic;
 
 use super::curve::Curve;
 use super::microfacet::Microfacets;
-use super::{Diffuse, Local, Mode, Scatter, TextureView, color, same_side};
+use super::{Diffuse, Local, Mode, Scatter, TextureView, color, same_side, textured};
 use crate::blob::format::{Material, material};
 use crate::real::{ONE_MINUS, Real, Vec3};
 use crate::spectrum::Spectrum;
@@ -76,8 +76,8 @@ impl<S: Spectrum> Outlined<S> {
         match m.kind {
             material::ROUGH_CONDUCTOR => Self::RoughConductor(RoughConductor {
                 facets: Microfacets::of(m),
-                eta: S::lift(m.eta, waves),
-                k: S::lift(m.k, waves),
+                eta: textured(m.eta, m.texture[2], textures, waves, uv),
+                k: textured(m.k, m.texture[3], textures, waves, uv),
                 reflectance: color(0),
                 mean: color(1),
                 loss: loss(first),

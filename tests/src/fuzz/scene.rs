@@ -339,6 +339,14 @@ fn rows(s: &mut Source<'_>, most: f32) -> Result<Spectrum> {
     (0..=s.below(5)?).map(|_| row(s)).collect()
 }
 
+/// A conductor's.
+fn spectra(s: &mut Source<'_>) -> Result<Option<[Spectrum; 2]>> {
+    if s.below(8)? > 0 {
+        return Ok(None);
+    }
+    Ok(Some([rows(s, 1e6)?, rows(s, 1e6)?]))
+}
+
 fn index(s: &mut Source<'_>) -> Result<Index> {
     Ok(match s.below(3)? {
         0 => Index::Cauchy(s.numbers(0.0, 1e3)?),
@@ -361,6 +369,7 @@ fn model(s: &mut Source<'_>, own: usize, textures: usize) -> Result<Model> {
             reflectance: color(s, textures)?,
         },
         2 => Model::Conductor {
+            spectra: spectra(s)?,
             eta: s.numbers(0.0, 1e6)?,
             k: s.numbers(0.0, 1e6)?,
             reflectance: color(s, textures)?,
@@ -390,6 +399,7 @@ fn model(s: &mut Source<'_>, own: usize, textures: usize) -> Result<Model> {
             fresnel: s.coin()?,
         },
         7 => Model::RoughConductor {
+            spectra: spectra(s)?,
             eta: s.numbers(0.0, 1e6)?,
             k: s.numbers(0.0, 1e6)?,
             reflectance: color(s, textures)?,

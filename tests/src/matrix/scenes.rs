@@ -143,6 +143,7 @@ pub fn objects() -> Vec<Named> {
             diffuse_transmittance: ColorSource::Constant([0.1, 0.2, 0.3]),
         });
         let gold = b.material(Model::Conductor {
+            spectra: None,
             eta: [0.14, 0.37, 1.44],
             k: [3.98, 2.39, 1.6],
             reflectance: constant(1.0),
@@ -173,12 +174,14 @@ pub fn glossy() -> Vec<Named> {
     let mut all: Vec<Named> = Vec::new();
     let b = room(|b| {
         let gold = b.material(Model::RoughConductor {
+            spectra: None,
             eta: [0.14, 0.37, 1.44],
             k: [3.98, 2.39, 1.6],
             reflectance: constant(1.0),
             facets: facets(0.4, Distribution::Ggx, Masking::Correlated, true),
         });
         let steel = b.material(Model::RoughConductor {
+            spectra: None,
             eta: [0.0; 3],
             k: [1.0; 3],
             reflectance: constant(0.7),

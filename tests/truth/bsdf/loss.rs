@@ -54,6 +54,7 @@ fn facets(alpha: f32, distribution: Distribution, masking: Masking, compensated:
 
 fn conductor(facets: Facets) -> Model {
     Model::RoughConductor {
+        spectra: None,
         eta: [0.0; 3],
         k: [1.0; 3],
         reflectance: WHITE,

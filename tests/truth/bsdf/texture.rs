@@ -268,7 +268,7 @@ fn materials_multiply_their_textures() {
                 Surface::Mirror(s) => (material::MIRROR, vec![s.reflectance]),
                 Surface::Conductor(c) => {
                     assert_eq!(channels(c.eta), [0.5, 1.0, 2.0]);
-                    assert_eq!(channels(c.k), [4.0, 3.0, 0.0]);
+                    assert_eq!(channels(c.k), [1.0, 0.75, 0.0]);
                     (material::CONDUCTOR, vec![c.reflectance])
                 }
                 Surface::Dielectric(d) => {

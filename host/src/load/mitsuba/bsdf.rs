@@ -6,7 +6,7 @@ use super::glossy::exponent;
 use super::plugin::Plugin;
 use super::texture::{Range, show};
 use super::value::{number, table};
-use crate::description::{Color, ColorSource, Index, Material, Model};
+use crate::description::{Color, ColorSource, Index, Material, Model, Spectrum};
 use crate::load::error::{LoadError, Problem};
 
 /// Both sides of a surface, and whether it is there at all.
@@ -264,20 +264,28 @@ impl Loader<'_> {
         let reflectance = self.source(plugin, "specular_reflectance", 1.0, Range::Unit)?;
         Ok(match index {
             None => Model::Mirror { reflectance },
-            Some((eta, k)) => Model::Conductor {
+            Some(Metal { eta, k, spectra }) => Model::Conductor {
                 eta,
                 k,
+                spectra,
                 reflectance,
             },
         })
     }
 }
 
-/// η and k of a conductor relative to outside; `None` reflects everything.
-pub fn metal(plugin: &Plugin) -> Result<Option<(Color, Color)>, LoadError> {
+/// η and k of a conductor relative to outside, and by wavelength if the scene says so.
+pub struct Metal {
+    pub eta: Color,
+    pub k: Color,
+    pub spectra: Option<[Spectrum; 2]>,
+}
+
+/// The index of a conductor; `None` reflects everything.
+pub fn metal(plugin: &Plugin) -> Result<Option<Metal>, LoadError> {
     let material = plugin.string("material")?;
-    let eta = plugin.color("eta")?;
-    let k = plugin.color("k")?;
+    let eta = plugin.number("eta")?;
+    let k = plugin.number("k")?;
     let outside = match plugin.has("ext_eta") {
         true => index(plugin, "ext_eta", "vacuum")?,
         false => 1.0,
@@ -294,7 +302,7 @@ pub fn metal(plugin: &Plugin) -> Result<Option<(Color, Color)>, LoadError> {
                     format!("\"{name}\""),
                 )
             })?;
-            (found.1, found.2)
+            ((found.1, None), (found.2, None))
         }
         (Some(name), _, _) if name != "none" => {
             return Err(plugin.invalid(
@@ -307,10 +315,31 @@ pub fn metal(plugin: &Plugin) -> Result<Option<(Color, Color)>, LoadError> {
         (_, Some(_), None) => return Err(plugin.missing("k", "rgb")),
         (_, None, _) => return Err(plugin.missing("eta", "rgb")),
     };
-    if eta.iter().any(|e| *e <= 0.0) {
+    let ((eta, etas), (k, ks)) = (eta, k);
+    let least = etas.iter().flatten().map(|[_, e]| *e);
+    if eta.into_iter().chain(least).any(|e| e <= 0.0) {
         return Err(plugin.invalid("eta", "> 0", show(eta)));
     }
-    Ok(Some((eta.map(|e| e / outside), k.map(|x| x / outside))))
+    // One that is given as a colour beside the other's table is one number, or it would be unclear what it is in between.
+    let table = |name: &str, color: Color, rows: Option<Spectrum>| match rows {
+        Some(rows) => Ok(rows),
+        None if color == [color[0]; 3] => Ok(vec![[550.0, color[0]]]),
+        None => Err(plugin.invalid(
+            name,
+            "one number or a spectrum where the other is one",
+            show(color),
+        )),
+    };
+    let spectra = match etas.is_some() || ks.is_some() {
+        true => Some([table("eta", eta, etas)?, table("k", k, ks)?]),
+        false => None,
+    };
+    let over = |rows: Spectrum| rows.into_iter().map(|[nm, x]| [nm, x / outside]).collect();
+    Ok(Some(Metal {
+        eta: eta.map(|e| e / outside),
+        k: k.map(|x| x / outside),
+        spectra: spectra.map(|both| both.map(over)),
+    }))
 }
 
 pub const BLACK: ColorSource = ColorSource::Constant([0.0; 3]);

@@ -1,7 +1,7 @@
 //! BSDFs of glossy things: microfacets, plastic, Phong, blends.
 
 use super::Loader;
-use super::bsdf::{BLACK, Surface, at_most_one, index, metal};
+use super::bsdf::{BLACK, Metal, Surface, at_most_one, index, metal};
 use super::plugin::Plugin;
 use super::texture::Range;
 use crate::description::{Distribution, Facets, Masking, Model};
@@ -13,10 +13,15 @@ impl Loader<'_> {
         match plugin.kind {
             "roughconductor" => {
                 // A conductor of index 0 + i reflects everything.
-                let (eta, k) = metal(plugin)?.unwrap_or(([0.0; 3], [1.0; 3]));
+                let Metal { eta, k, spectra } = metal(plugin)?.unwrap_or(Metal {
+                    eta: [0.0; 3],
+                    k: [1.0; 3],
+                    spectra: None,
+                });
                 Ok(Model::RoughConductor {
                     eta,
                     k,
+                    spectra,
                     reflectance: self.source(plugin, "specular_reflectance", 1.0, Range::Unit)?,
                     facets: facets(plugin)?,
                 })

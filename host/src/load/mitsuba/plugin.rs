@@ -6,7 +6,7 @@ use super::transform;
 use super::value::{color, number, rows, vector};
 use crate::description::{Color, Spectrum};
 use crate::load::error::{LoadError, Problem};
-use crate::spectra::emitted;
+use crate::spectra::{emitted, weighed};
 use glam::DMat4;
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -259,13 +259,24 @@ impl<'a> Plugin<'a> {
 
     /// Light: a colour, or a spectrum and the colour that it stands for; white if nothing is said.
     pub fn light(&self, name: &str) -> Result<(Color, Option<Spectrum>), LoadError> {
-        let rows = match self.child(name)? {
-            Some(index) => rows(&self.document.nodes[index], self.kind, name)?,
-            None => None,
-        };
-        match rows {
+        match self.rows(name)? {
             Some(rows) => Ok((emitted(&rows), Some(rows))),
             None => Ok((self.color(name)?.unwrap_or([1.0; 3]), None)),
+        }
+    }
+
+    /// What is no light: a colour, or a spectrum and the colour that it stands for.
+    pub fn number(&self, name: &str) -> Result<Option<(Color, Option<Spectrum>)>, LoadError> {
+        match self.rows(name)? {
+            Some(rows) => Ok(Some((weighed(&rows), Some(rows)))),
+            None => Ok(self.color(name)?.map(|color| (color, None))),
+        }
+    }
+
+    fn rows(&self, name: &str) -> Result<Option<Spectrum>, LoadError> {
+        match self.child(name)? {
+            Some(index) => rows(&self.document.nodes[index], self.kind, name),
+            None => Ok(None),
         }
     }
 

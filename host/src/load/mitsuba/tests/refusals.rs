@@ -277,6 +277,18 @@ fn refusals_say_where_what_and_what_instead() {
             "a list of wavelengths as sigma_t is not supported yet",
         ),
         (
+            "<shape type='cube'><bsdf type='conductor'><spectrum name='eta' value='400:1, 700:2'/></bsdf></shape>",
+            "k",
+        ),
+        (
+            "<shape type='cube'><bsdf type='conductor'><spectrum name='eta' value='400:0, 700:2'/><float name='k' value='1'/></bsdf></shape>",
+            "> 0",
+        ),
+        (
+            "<shape type='cube'><bsdf type='conductor'><spectrum name='eta' value='400:1, 700:2'/><rgb name='k' value='1 2 3'/></bsdf></shape>",
+            "one number or a spectrum where the other is one",
+        ),
+        (
             "<shape type='cube'><bsdf type='dielectric'><string name='dispersion' value='cauchy 0'/></bsdf></shape>",
             "cauchy A B [C], sellmeier B1 B2 B3 C1 C2 C3",
         ),

@@ -110,6 +110,23 @@ fn materials_stand_on_their_sides() {
     assert!(
         matches!(materials[0].model, Model::Conductor { eta, .. } if (eta[0] - 0.143119 / 2.0).abs() < 1e-6)
     );
+    let (.., materials) = sides(
+        "<bsdf type='conductor'><spectrum name='eta' value='400:1, 600:3'/><float name='k' value='4'/><float name='ext_eta' value='2'/></bsdf>",
+    );
+    let Model::Conductor {
+        eta, k, spectra, ..
+    } = &materials[0].model
+    else {
+        panic!()
+    };
+    let tables = [vec![[400.0, 0.5], [600.0, 1.5]], vec![[550.0, 2.0]]];
+    assert_eq!(spectra.as_ref(), Some(&tables));
+    // More of it at long wavelengths; the same everywhere is the same to all channels.
+    assert!(
+        eta[0] > eta[1] && eta[1] > eta[2] && eta[2] > 0.5,
+        "{eta:?}"
+    );
+    assert!(k.iter().all(|k| (k / 2.0 - 1.0).abs() < 1e-3));
     let (front, back, materials) = sides("<bsdf type='null'/>");
     assert_eq!((front, back), (Some(0), Some(0)));
     assert!(matches!(materials[0].model, Model::Null));
