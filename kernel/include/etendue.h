@@ -255,7 +255,8 @@ typedef struct EtdSettings {
     uint32_t shift;
     // `ETD_INDEPENDENT` or `ETD_SOBOL`.
     uint32_t sequence;
-    // Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1; 0: all go on.
+    // Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1. So are connections of
+    // `bidirectional` looked at that carry less than a tenth of this share of what their sample has so far. 0: no roulette.
     float roulette;
     // `ETD_METROPOLIS`: how often a step of a chain is a path drawn anew, 0 to 1.
     float large_steps;

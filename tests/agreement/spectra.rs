@@ -3,7 +3,8 @@
 use super::{Z, agree, estimates};
 use etendue::{Estimator, Heuristic};
 use etendue_host::description::{
-    Carry, ColorSource, Description, EmitterKind, Index, Medium, Model, Pattern, Phase, Texture,
+    Carry, ColorSource, Description, Distribution, EmitterKind, Facets, Index, Masking, Medium,
+    Model, Pattern, Phase, Texture,
 };
 use etendue_tests::matrix::Complete::{FromLight, FromSensor};
 use etendue_tests::matrix::Named;
@@ -69,6 +70,22 @@ fn spectra() -> Description {
             transmittance: ColorSource::Constant([0.0; 3]),
         });
         b.cuboid([-0.7, 0.2, 0.0], [-0.2, 0.7, 0.8], false, Some(paper));
+        let bronze = b.material(Model::RoughConductor {
+            eta: [0.8, 1.1, 1.4],
+            k: [3.5, 2.6, 2.2],
+            spectra: Some([
+                vec![[400.0, 1.4], [540.0, 1.2], [580.0, 0.5], [700.0, 0.3]],
+                vec![[400.0, 2.1], [560.0, 2.7], [700.0, 4.1]],
+            ]),
+            reflectance: ColorSource::Constant([1.0; 3]),
+            facets: Facets {
+                alpha: [0.3; 2],
+                distribution: Distribution::Ggx,
+                masking: Masking::Correlated,
+                compensated: true,
+            },
+        });
+        b.cuboid([0.3, -0.7, 0.0], [0.7, -0.2, 0.6], false, Some(bronze));
         let smoke = b.matter(Medium {
             sigma_t: [3.0, 1.0, 0.0],
             albedo: [0.9, 0.6, 0.5],

@@ -1,4 +1,4 @@
-//! µs per sample and efficiency of `path` and `bidirectional`: `cargo bench --bench estimators`.
+//! µs per sample and efficiency of `path` and `bidirectional`: `cargo bench --bench estimators`, or `-- SCENE…` for some of the scenes.
 //!
 //! n·relMSE = n × mean over pixels and channels of (x−ref)²/(ref² + 0.01·m²), m the mean of ref, the reference's
 //! own noise taken off; efficiency = 1/(n·relMSE × CPU seconds per sample of every pixel).
@@ -33,7 +33,13 @@ fn main() {
     println!(
         "scene                        estimator       µs/sample  rays/sample  n·relMSE  efficiency"
     );
-    for (name, noise, passes) in SCENES {
+    // Cargo adds options of its own.
+    let some: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|a| !a.starts_with('-'))
+        .collect();
+    let wanted = |name: &str| some.is_empty() || some.iter().any(|s| s == name);
+    for (name, noise, passes) in SCENES.into_iter().filter(|(name, ..)| wanted(name)) {
         for estimator in [Estimator::Path, Estimator::Bidirectional] {
             let find = |suffix: &str| {
                 let places = [folder.clone(), folder.join("own"), folder.join("smallvcm")];

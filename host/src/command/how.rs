@@ -18,7 +18,8 @@ pub struct How {
     /// Where random numbers come from
     #[arg(long, value_enum, default_value_t = SamplerName::Independent)]
     sampler: SamplerName,
-    /// Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1; 0: all go on
+    /// Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1; so are connections of bidirectional looked at that
+    /// carry less than a tenth of this share of what their sample has so far; 0: no roulette
     #[arg(long, value_name = "SHARE", default_value_t = Settings::default().roulette, value_parser = share)]
     roulette: f32,
     /// metropolis: how often a step is a path drawn anew, 0 to 1

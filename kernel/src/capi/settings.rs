@@ -67,7 +67,8 @@ pub struct EtdSettings {
     pub shift: u32,
     /// `ETD_INDEPENDENT` or `ETD_SOBOL`.
     pub sequence: u32,
-    /// Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1; 0: all go on.
+    /// Walks that carry less than this share of what they began with go on by Russian roulette, 0 to 1. So are connections of
+    /// `bidirectional` looked at that carry less than a tenth of this share of what their sample has so far. 0: no roulette.
     pub roulette: f32,
     /// `ETD_METROPOLIS`: how often a step of a chain is a path drawn anew, 0 to 1.
     pub large_steps: f32,

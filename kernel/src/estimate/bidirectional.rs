@@ -6,26 +6,29 @@
 //! t = 1   a light vertex seen by the sensor: a splat            else    connect x_{s−1} y_{t−1}
 //! ```
 //!
-//! The light walk is stored; the sensor walk connects as it goes and keeps only what weights need.
+//! The light walk is stored; the sensor walk connects as it goes and keeps only what weights need. Connections that would carry little
+//! of what the sample has already are looked at by Russian roulette (Veach 1997, §10.4).
+
+mod contribution;
 
 use super::Settings;
 use super::light::{Seen, emit, see_light, see_vertex, spread};
 use super::scratch::Workspace;
-use crate::blob::format::NONE;
 use crate::blob::{Possible, View};
-use crate::emitter;
 use crate::instance::Instance;
-use crate::medium;
 use crate::path::{
-    Arrival, HistoryView, Junction, Link, Mis, Terms, Trace, Vertex, Walk, connect_first,
-    emission_terms, joined,
+    Arrival, HistoryView, Junction, Link, Mis, Terms, Trace, Walk, connect_first, emission_terms,
 };
-use crate::random::{Purpose, Sampler, Subpath};
-use crate::real::{INV_PI, Real, sqrt, square};
+use crate::random::{Sampler, Subpath};
+use crate::real::Real;
 use crate::sensor::Element;
 use crate::shape::Tracer;
 use crate::spectrum::Spectrum;
-use crate::surface::Mode;
+use contribution::{connect, escaped, met_light, next_event};
+
+/// Connections that carry less than this share of their sample so far, times [`Settings::roulette`], are looked at by Russian roulette. Of 0.02 to
+/// 0.2 (times 0.5) this is where fewer rays and more noise balance on SmallVCM's boxes.
+const LITTLE: Real = 0.1;
 
 /// Which ways of joining the walks are wanted, and where what they contribute goes.
 pub(super) trait Strategies<S> {
@@ -35,6 +38,8 @@ pub(super) trait Strategies<S> {
     fn has_more(&self, end: Subpath, vertices: usize) -> bool;
     /// What one of them contributes: to the element, or to where the sensor sees it, to be [`spread`].
     fn take(&mut self, strategy: [usize; 2], value: S, raster: Option<[Real; 2]>);
+    /// What a connection has to carry to be looked at for certain; 0: all are.
+    fn little(&self) -> Real;
 }
 
 /// All of them that can contribute.
@@ -42,6 +47,8 @@ struct All<'w, 's, 'a, S: Spectrum, F> {
     scene: View<'s, 'a, S>,
     element: &'w Element,
     possible: Possible,
+    /// Of `sum`, what is little.
+    share: Real,
     sum: S,
     splat: &'w mut F,
 }
@@ -53,7 +60,7 @@ impl<S: Spectrum, F: FnMut([u32; 2], S)> Strategies<S> for All<'_, '_, '_, S, F>
     }
     #[inline(always)]
     fn has_more(&self, end: Subpath, vertices: usize) -> bool {
-        end == Subpath::Sensor || vertices == 0 || self.possible.joins
+        has_more(self.possible, end, vertices)
     }
     #[inline(always)]
     fn take(&mut self, _: [usize; 2], value: S, raster: Option<[Real; 2]>) {
@@ -65,6 +72,16 @@ impl<S: Spectrum, F: FnMut([u32; 2], S)> Strategies<S> for All<'_, '_, '_, S, F>
             }
         }
     }
+    #[inline(always)]
+    fn little(&self) -> Real {
+        self.share * self.sum.max_channel()
+    }
+}
+
+/// [`Strategies::has_more`] of all that can contribute.
+#[inline(always)]
+pub(super) fn has_more(possible: Possible, end: Subpath, vertices: usize) -> bool {
+    end == Subpath::Sensor || vertices == 0 || possible.joins
 }
 
 /// One sample.
@@ -82,6 +99,7 @@ pub(super) fn estimate<T: Tracer, K: Instance, P: Sampler>(
         scene,
         element,
         possible: scene.possible(),
+        share: LITTLE * settings.roulette,
         sum: K::S::BLACK,
         splat,
     };
@@ -241,7 +259,8 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
         }
         if vertex.has_smooth::<K>(&trace.scene) {
             if wanted.has(1, t) {
-                let value = next_event(trace, mis, &vertex, t, sampler, scratch.sensor);
+                let little = wanted.little();
+                let value = next_event(trace, mis, &vertex, t, little, sampler, scratch.sensor);
                 wanted.take([1, t], value, None);
             }
             for (i, x) in scratch.light.iter().enumerate() {
@@ -251,7 +270,10 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
                 }
                 if wanted.has(i + 2, t) && x.has_smooth::<K>(&trace.scene) {
                     let (links, sensor) = (&*scratch.links, &*scratch.sensor);
-                    let value = connect(trace, mis, x, &vertex, i + 2, t, sampler, links, sensor);
+                    let (strategy, little) = ([i + 2, t], wanted.little());
+                    let value = connect(
+                        trace, mis, x, &vertex, strategy, little, sampler, links, sensor,
+                    );
                     wanted.take([i + 2, t], value, None);
                 }
             }
@@ -281,219 +303,4 @@ fn link(terms: &Terms) -> Link {
         a: terms.a,
         dirac: false,
     }
-}
-
-/// s = 0 at infinity.
-#[inline(always)]
-fn escaped<T: Tracer, K: Instance>(
-    trace: &Trace<'_, '_, T, K>,
-    mis: &Mis,
-    walk: &Walk<K::S>,
-    terms: &Terms,
-    sensor: &HistoryView,
-) -> K::S {
-    let Some((radiance, density)) = emitter::background::<K::S>(trace.scene, walk.ray.direction)
-    else {
-        return K::S::BLACK;
-    };
-    let junction = Junction {
-        light_vertices: 0,
-        sensor_vertices: walk.edges as usize + 1,
-        y_ratio: density / terms.forward,
-        y_later: 1.0,
-        y_reverse: emitter::disc_density(&trace.scene),
-        ..Junction::default()
-    };
-    let weight = mis.weight(&junction, &Terms::default(), terms, &[], sensor);
-    walk.throughput * radiance * weight
-}
-
-/// s = 0 on a surface.
-#[inline(always)]
-fn met_light<T: Tracer, K: Instance>(
-    trace: &Trace<'_, '_, T, K>,
-    mis: &Mis,
-    walk: &Walk<K::S>,
-    y: &Vertex<K::S>,
-    from: crate::real::Vec3,
-    distance: Real,
-    sensor: &HistoryView,
-) -> K::S {
-    let scene = trace.scene;
-    #[cfg(feature = "media")]
-    if K::MEDIA && y.scattering.is_some() {
-        return met_glow(trace, mis, walk, y, sensor);
-    }
-    let Some(e) = scene
-        .shape(y.point.shape)
-        .and_then(|s| scene.emitter(s.emitter))
-    else {
-        return K::S::BLACK;
-    };
-    let radiance = emitter::radiance(scene, e, &y.point, y.previous);
-    if radiance.is_black() {
-        return K::S::BLACK;
-    }
-    let cos = y.previous.dot(y.point.normal).abs();
-    let traced = emitter::trace_density(e);
-    // Seen directly, the other strategy is s = t = 1, whose light point comes from a light walk.
-    let connected = if walk.edges == 1 {
-        traced
-    } else {
-        emitter::connect_density(&scene, e, &y.point, from, walk.ray.direction, distance) * cos
-            / square(distance)
-    };
-    let junction = Junction {
-        light_vertices: 0,
-        sensor_vertices: walk.edges as usize + 1,
-        y_ratio: connected / y.terms.forward,
-        y_later: traced / connected,
-        y_reverse: cos * INV_PI,
-        ..Junction::default()
-    };
-    let weight = mis.weight(&junction, &Terms::default(), &y.terms, &[], sensor);
-    walk.throughput * radiance * weight
-}
-
-/// s = 0 in a medium that emits.
-#[cfg(feature = "media")]
-#[inline(always)]
-fn met_glow<T: Tracer, K: Instance>(
-    trace: &Trace<'_, '_, T, K>,
-    mis: &Mis,
-    walk: &Walk<K::S>,
-    y: &Vertex<K::S>,
-    sensor: &HistoryView,
-) -> K::S {
-    if walk.emission.is_black() {
-        return K::S::BLACK;
-    }
-    let [medium, _] = y.media;
-    let light = trace.scene.medium(medium).map(|m| m.emitter);
-    let Some(e) = light.and_then(|id| trace.scene.emitter(id)) else {
-        return K::S::BLACK;
-    };
-    let junction = Junction {
-        light_vertices: 0,
-        sensor_vertices: walk.edges as usize + 1,
-        y_ratio: emitter::volume::trace_density(e) / y.terms.forward,
-        y_later: 1.0,
-        y_reverse: emitter::volume::DIRECTION_PDF,
-        ..Junction::default()
-    };
-    let weight = mis.weight(&junction, &Terms::default(), &y.terms, &[], sensor);
-    walk.throughput * walk.emission * weight
-}
-
-/// s = 1: a light point drawn for y.
-#[inline(always)]
-fn next_event<T: Tracer, K: Instance, P: Sampler>(
-    trace: &mut Trace<'_, '_, T, K>,
-    mis: &Mis,
-    y: &Vertex<K::S>,
-    t: usize,
-    sampler: &mut P,
-    sensor: &HistoryView,
-) -> K::S {
-    let (choice, xi) = (sampler.two(Purpose::Choice), sampler.two(Purpose::Position));
-    let more = sampler.two(Purpose::Emission);
-    let Some(light) = emitter::incident::<K::S>(trace.scene, y.point.position, choice, xi, more)
-    else {
-        return K::S::BLACK;
-    };
-    let Some(joint) = y.join::<K>(&trace.scene, light.direction, Mode::Radiance) else {
-        return K::S::BLACK;
-    };
-    let sight = trace.sees(y, light.direction, light.end, sampler);
-    if sight.value.is_black() {
-        return K::S::BLACK;
-    }
-    let facing = y.facing(trace, light.direction);
-    let mut walked = joint.pdf * sight.expected;
-    let mut chances = K::S::WHITE;
-    if K::MEDIA && light.medium != NONE {
-        // The point has to lie in what emits, and a walk would have to collide there.
-        if sight.medium != light.medium {
-            return K::S::BLACK;
-        }
-        let at = |x0| medium::chances(trace.scene, light.medium, x0, trace.lead);
-        let Some(at) = light.end.and_then(at) else {
-            return K::S::BLACK;
-        };
-        chances = at;
-        let medium = trace.scene.medium(light.medium);
-        walked *= medium.map_or(0.0, |m| medium::density(trace.scene, m, trace.lead));
-    }
-    let x0 = Terms {
-        forward: 1.0,
-        a: if light.dirac { 0.0 } else { 1.0 },
-        ..Terms::default()
-    };
-    let junction = Junction {
-        light_vertices: 1,
-        sensor_vertices: t,
-        x_ratio: walked / light.pdf,
-        x_reverse: 0.0,
-        y_ratio: light.trace_over_connect * light.emission * facing * sight.expected
-            / y.terms.forward,
-        y_later: 1.0,
-        y_reverse: joint.pdf_reverse,
-    };
-    let weight = mis.weight(&junction, &x0, &y.terms, &[link(&x0)], sensor);
-    y.throughput
-        * joint.value
-        * light.radiance
-        * joined::<K>(trace.lead, y.ratio, chances, sight.value)
-        * (weight / light.pdf)
-}
-
-/// s ≥ 2, t ≥ 2: joins x and y.
-#[inline(always)]
-#[allow(clippy::too_many_arguments)] // both ends, with their histories
-fn connect<T: Tracer, K: Instance, P: Sampler>(
-    trace: &mut Trace<'_, '_, T, K>,
-    mis: &Mis,
-    x: &Vertex<K::S>,
-    y: &Vertex<K::S>,
-    s: usize,
-    t: usize,
-    sampler: &mut P,
-    light: &[Link],
-    sensor: &HistoryView,
-) -> K::S {
-    let to_x = x.point.position - y.point.position;
-    let squared = to_x.dot(to_x);
-    if squared <= 0.0 {
-        return K::S::BLACK;
-    }
-    let direction = to_x * (1.0 / sqrt(squared));
-    let Some(at_y) = y.join::<K>(&trace.scene, direction, Mode::Radiance) else {
-        return K::S::BLACK;
-    };
-    let Some(at_x) = x.join::<K>(&trace.scene, -direction, Mode::Importance) else {
-        return K::S::BLACK;
-    };
-    let sight = trace.sees(y, direction, Some(x.point.leave(-direction)), sampler);
-    if sight.value.is_black() {
-        return K::S::BLACK;
-    }
-    let inverse_square = 1.0 / squared;
-    let reached = inverse_square * sight.expected;
-    let (facing_x, facing_y) = (x.facing(trace, direction), y.facing(trace, direction));
-    let junction = Junction {
-        light_vertices: s,
-        sensor_vertices: t,
-        x_ratio: at_y.pdf * facing_x * reached / x.terms.forward,
-        x_reverse: at_x.pdf_reverse,
-        y_ratio: at_x.pdf * facing_y * reached / y.terms.forward,
-        y_later: 1.0,
-        y_reverse: at_y.pdf_reverse,
-    };
-    let weight = mis.weight(&junction, &x.terms, &y.terms, light, sensor);
-    x.throughput
-        * at_x.value
-        * y.throughput
-        * at_y.value
-        * joined::<K>(trace.lead, x.ratio, y.ratio, sight.value)
-        * (inverse_square * weight)
 }

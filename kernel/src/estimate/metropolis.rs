@@ -16,10 +16,12 @@
 //! Of one strategy at a time b would be known far worse for as much work: where light is hard to find, few samples have any, and those have it
 //! by one or two of all their strategies.
 
-use super::bidirectional::Strategies;
-use super::scratch::ScratchView;
-use super::{Settings, draw_with};
+use super::bidirectional::{self, Strategies};
+use super::scratch::{ScratchView, Workspace};
+use super::{Errand, Settings, accept, channels, dispatch};
 use crate::blob::{Possible, Scene, View};
+use crate::instance::Instance;
+use crate::path::Trace;
 use crate::random::{
     CHOICES, Mutation, Pcg, Purpose, Recorded, Sampler as _, Subpath, Tape, TapeView,
 };
@@ -158,13 +160,18 @@ struct Strategy {
     t: usize,
 }
 
-/// What a sample contributes by one strategy, or by one of all, drawn in proportion to f*.
-pub(super) struct Drawn {
-    /// The one that is wanted; `None`: any.
-    only: Option<Strategy>,
-    possible: Possible,
-    /// What draws.
-    random: Pcg,
+/// What is wanted of a sample.
+#[derive(Debug)]
+enum Wanted {
+    /// What this strategy contributes.
+    Only(Strategy),
+    /// What one of all contributes, drawn in proportion to f* by these numbers.
+    Any(Pcg),
+}
+
+/// What a sample contributes.
+struct Drawn {
+    wanted: Wanted,
     /// The sum of the importance of all that contributed.
     total: Real,
     /// What was drawn, and by which strategy it came.
@@ -173,11 +180,9 @@ pub(super) struct Drawn {
 }
 
 impl Drawn {
-    fn new(scene: &Scene<'_>, only: Option<Strategy>, pixel: [u32; 2], random: Pcg) -> Self {
+    fn new(wanted: Wanted, pixel: [u32; 2]) -> Self {
         Self {
-            only,
-            possible: scene.possible(),
-            random,
+            wanted,
             total: 0.0,
             state: State {
                 pixel,
@@ -189,35 +194,37 @@ impl Drawn {
 }
 
 /// [`Drawn`], of contributions as an instance of the estimator makes them.
-pub(super) struct Drawing<'w, 's, 'a, S: Spectrum> {
-    /// What they are drawn for.
-    pub drawn: &'w mut Drawn,
-    /// The scene, and what the channels are.
-    pub scene: View<'s, 'a, S>,
+struct Drawing<'w, 's, 'a, S: Spectrum> {
+    drawn: &'w mut Drawn,
+    scene: View<'s, 'a, S>,
+    possible: Possible,
     /// Contributions that weren't finite, or negative.
-    pub rejected: u64,
+    rejected: u64,
 }
 
 impl<S: Spectrum> Strategies<S> for Drawing<'_, '_, '_, S> {
     #[inline(always)]
     fn has(&self, s: usize, t: usize) -> bool {
-        let wanted = Strategy { s, t };
-        self.drawn.only.is_none_or(|only| only == wanted)
+        match self.drawn.wanted {
+            Wanted::Only(only) => only == Strategy { s, t },
+            Wanted::Any(_) => true,
+        }
     }
     #[inline(always)]
     fn has_more(&self, end: Subpath, vertices: usize) -> bool {
-        match (self.drawn.only, end) {
-            (None, Subpath::Sensor) => true,
-            (None, Subpath::Light) => vertices == 0 || self.drawn.possible.joins,
-            (Some(only), Subpath::Sensor) => only.t > vertices,
+        match (&self.drawn.wanted, end) {
+            (Wanted::Any(_), _) => bidirectional::has_more(self.possible, end, vertices),
+            (Wanted::Only(only), Subpath::Sensor) => only.t > vertices,
             // s = 1 draws its light anew, but where the sensor sees it.
-            (Some(only), Subpath::Light) => only.s > vertices && (only.s > 1 || only.t == 1),
+            (Wanted::Only(only), Subpath::Light) => {
+                only.s > vertices && (only.s > 1 || only.t == 1)
+            }
         }
     }
     // Not inlined: nine places take.
     #[inline(never)]
     fn take(&mut self, [s, t]: [usize; 2], value: S, raster: Option<[Real; 2]>) {
-        let Some(value) = value.recorded(&self.scene.waves) else {
+        let Some(value) = accept(value, &self.scene.waves) else {
             self.rejected += 1;
             return;
         };
@@ -229,11 +236,67 @@ impl<S: Spectrum> Strategies<S> for Drawing<'_, '_, '_, S> {
         drawn.total += sum;
         // A reservoir of one (Chao 1982); the first is drawn for certain.
         let certain = sum >= drawn.total;
-        if sum > 0.0 && (certain || drawn.random.one(Purpose::Choice) * drawn.total < sum) {
+        let taken = match &mut drawn.wanted {
+            Wanted::Any(random) if !certain => random.one(Purpose::Choice) * drawn.total < sum,
+            _ => true,
+        };
+        if sum > 0.0 && taken {
             drawn.strategy = Strategy { s, t };
             drawn.state.contribution = Contribution { value, raster };
             drawn.state.importance = sum;
         }
+    }
+    // A path has the same value whatever else its numbers make.
+    #[inline(always)]
+    fn little(&self) -> Real {
+        0.0
+    }
+}
+
+/// A sample of `pixel`, of paths of `limit` edges at most.
+struct Draw<'w, 's, 'a, 'n> {
+    scene: &'s Scene<'a>,
+    settings: &'w Settings,
+    limit: u32,
+    pixel: [u32; 2],
+    drawn: &'w mut Drawn,
+    sampler: &'w mut Recorded<'n>,
+}
+
+impl Errand for Draw<'_, '_, '_, '_> {
+    type Result = ();
+
+    #[inline(never)]
+    fn run<K: Instance>(self, scratch: &mut Workspace<'_, K::S>) {
+        let Self {
+            scene,
+            settings,
+            limit,
+            pixel,
+            drawn,
+            sampler,
+        } = self;
+        let (waves, lead) = channels::<K, _>(sampler);
+        let (view, tree) = (View::new(scene, waves), scene.tree());
+        let mut trace = Trace::<_, K>::new(view, &tree, lead, settings.roulette);
+        let mut drawing = Drawing {
+            drawn,
+            scene: view,
+            possible: scene.possible(),
+            rejected: 0,
+        };
+        let element = &Element::Pixel(pixel);
+        bidirectional::join(
+            &mut trace,
+            settings,
+            limit,
+            element,
+            &mut drawing,
+            sampler,
+            scratch,
+        );
+        trace.counters.rejected += drawing.rejected;
+        *scratch.counters += trace.counters;
     }
 }
 
@@ -267,9 +330,16 @@ fn evaluate(
         s: s as usize,
         t: (edges + 1 - s) as usize,
     };
-    let mut drawn = Drawn::new(scene, Some(only), pixel, Pcg::new(0, 0, 0));
-    let limit = settings.limit().min(edges);
-    draw_with(scene, settings, limit, pixel, &mut drawn, numbers, scratch);
+    let mut drawn = Drawn::new(Wanted::Only(only), pixel);
+    let draw = Draw {
+        scene,
+        settings,
+        limit: settings.limit().min(edges),
+        pixel,
+        drawn: &mut drawn,
+        sampler: numbers,
+    };
+    dispatch(scene, scratch, draw);
     drawn.state.times(count)
 }
 
@@ -297,17 +367,16 @@ fn draw(
     let mut numbers = Recorded::new(from, to, Mutation::Large, fresh);
     let (pixel, xi) = begin(scene, &mut numbers);
     let random = Pcg::new(settings.seed, DRAW, index);
-    let mut drawn = Drawn::new(scene, None, pixel, random);
-    let limit = settings.limit();
-    draw_with(
+    let mut drawn = Drawn::new(Wanted::Any(random), pixel);
+    let draw = Draw {
         scene,
         settings,
-        limit,
+        limit: settings.limit(),
         pixel,
-        &mut drawn,
-        &mut numbers,
-        scratch,
-    );
+        drawn: &mut drawn,
+        sampler: &mut numbers,
+    };
+    dispatch(scene, scratch, draw);
     let Strategy { s, t } = drawn.strategy;
     let edges = (s + t - 1) as u32;
     let count = strategies(edges, scratch);

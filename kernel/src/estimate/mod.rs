@@ -135,7 +135,8 @@ pub struct Settings {
     pub sequence: Sequence,
     /// Selects the random numbers.
     pub seed: u64,
-    /// Walks that carry less than this share of what they began with go on by Russian roulette; 0: all go on.
+    /// Walks that carry less than this share of what they began with go on by Russian roulette. So are connections of
+    /// `Estimator::Bidirectional` looked at that carry less than a tenth of this share of what their sample has so far. 0: no roulette.
     pub roulette: Real,
     /// How [`Estimator::Distributed`] branches.
     pub tree: Tree,
@@ -407,79 +408,6 @@ where
         trace.counters.rejected += rejected + u64::from(value.is_none());
         *scratch.counters += trace.counters;
         value.unwrap_or(Rgb::BLACK)
-    }
-}
-
-/// A sample of `pixel` by those strategies of [`Estimator::Bidirectional`] that `drawn` wants, of paths of `limit` edges at most.
-#[cfg(feature = "metropolis")]
-fn draw_with(
-    scene: &Scene<'_>,
-    settings: &Settings,
-    limit: u32,
-    pixel: [u32; 2],
-    drawn: &mut metropolis::Drawn,
-    sampler: &mut crate::random::Recorded<'_>,
-    scratch: &mut ScratchView<'_>,
-) {
-    dispatch(
-        scene,
-        scratch,
-        Draw {
-            scene,
-            settings,
-            limit,
-            pixel,
-            drawn,
-            sampler,
-        },
-    );
-}
-
-/// What [`draw_with`] does.
-#[cfg(feature = "metropolis")]
-struct Draw<'w, 's, 'a, 'n> {
-    scene: &'s Scene<'a>,
-    settings: &'w Settings,
-    limit: u32,
-    pixel: [u32; 2],
-    drawn: &'w mut metropolis::Drawn,
-    sampler: &'w mut crate::random::Recorded<'n>,
-}
-
-#[cfg(feature = "metropolis")]
-impl Errand for Draw<'_, '_, '_, '_> {
-    type Result = ();
-
-    #[inline(never)]
-    fn run<K: Instance>(self, scratch: &mut Workspace<'_, K::S>) {
-        let Self {
-            scene,
-            settings,
-            limit,
-            pixel,
-            drawn,
-            sampler,
-        } = self;
-        let (waves, lead) = channels::<K, _>(sampler);
-        let (view, tree) = (View::new(scene, waves), scene.tree());
-        let mut trace = Trace::<_, K>::new(view, &tree, lead, settings.roulette);
-        let mut drawing = metropolis::Drawing {
-            drawn,
-            scene: view,
-            rejected: 0,
-        };
-        let element = &Element::Pixel(pixel);
-        bidirectional::join(
-            &mut trace,
-            settings,
-            limit,
-            element,
-            &mut drawing,
-            sampler,
-            scratch,
-        );
-        trace.counters.rejected += drawing.rejected;
-        *scratch.counters += trace.counters;
     }
 }
 

@@ -98,13 +98,19 @@ pub struct Sight<S> {
 }
 
 impl<S: Spectrum> Sight<S> {
+    /// Nothing is.
+    pub const FREE: Self = Self {
+        value: S::WHITE,
+        expected: 1.0,
+        medium: NONE,
+    };
+
     /// Through empty space, of which this part is free.
     #[inline(always)]
     pub(super) fn free(part: Real) -> Self {
         Self {
             value: S::grey(part),
-            expected: 1.0,
-            medium: NONE,
+            ..Self::FREE
         }
     }
 }
