@@ -25,12 +25,17 @@ pub(crate) fn emitted(rows: &[[f32; 2]]) -> Color {
     color(seen(|nm| at(rows, nm)))
 }
 
-/// What a spectrum is to red, green and blue, by white light: a flat one is its value in each.
+/// What a spectrum that is no light is to red, green and blue, by white light: a flat one is its value in each, and none is beyond its rows.
 pub(crate) fn weighed(rows: &[[f32; 2]]) -> Color {
-    color(seen(|nm| at(rows, nm) * white(nm)))
+    let values = || rows.iter().map(|[_, x]| *x);
+    let (least, most) = (
+        values().fold(f32::INFINITY, f32::min),
+        values().fold(0.0, f32::max),
+    );
+    color(seen(|nm| at(rows, nm) * white(nm))).map(|x| x.max(least).min(most))
 }
 
 /// The colour of what reflects a spectrum of white light.
 pub(crate) fn reflected(rows: &[[f32; 2]]) -> Color {
-    weighed(rows).map(|x| x.min(1.0))
+    color(seen(|nm| at(rows, nm) * white(nm))).map(|x| x.min(1.0))
 }

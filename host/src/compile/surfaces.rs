@@ -93,10 +93,12 @@ impl Surfaces {
         self.textures.push(t);
     }
 
-    /// A texture of values in [0, 1] by wavelength.
-    fn spectrum(&mut self, rows: &[[f32; 2]]) -> u32 {
+    /// A texture of values in [0, 1] by wavelength, and what it stands for without.
+    fn spectrum(&mut self, rows: &[[f32; 2]], color: Color) -> u32 {
         self.texture(&Pattern::Spectrum(rows.to_vec()), IDENTITY);
-        self.textures.len() as u32 - 1
+        let id = self.textures.len() - 1;
+        self.textures[id].color[0] = color;
+        id as u32
     }
 
     /// A conductor's η and k by wavelength: textures of what they are over their largest value. Without wavelengths they are what the model says.
@@ -107,10 +109,8 @@ impl Surfaces {
             let most = rows.iter().map(|[_, x]| *x);
             let most = most.chain(*constant).fold(f32::MIN_POSITIVE, f32::max);
             let shares: Vec<_> = rows.iter().map(|[nm, x]| [*nm, x / most]).collect();
-            let id = self.spectrum(&shares);
-            self.textures[id as usize].color[0] = constant.map(|x| x / most);
+            m.texture[2 + i] = self.spectrum(&shares, constant.map(|x| x / most));
             *constant = [most; 3];
-            m.texture[2 + i] = id;
         }
     }
 
@@ -282,10 +282,11 @@ impl Surfaces {
                 (m.flags, m.gloss) = (glossy::flags(&facets), facets.alpha);
                 set(&mut m, 0, reflectance);
                 if facets.compensated {
-                    m.color[1] = glossy::mean_reflectance(eta, k);
+                    let mean = glossy::mean_reflectance(eta, k);
+                    m.color[1] = mean;
                     if let Some([eta, k]) = spectra {
                         m.color[1] = [1.0; 3];
-                        m.texture[1] = self.spectrum(&glossy::mean_reflectances(eta, k));
+                        m.texture[1] = self.spectrum(&glossy::mean_reflectances(eta, k), mean);
                     }
                     m.link[0] = self.curve(glossy::conductor_loss(&m));
                 }

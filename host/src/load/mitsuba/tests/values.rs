@@ -127,6 +127,17 @@ fn materials_stand_on_their_sides() {
         "{eta:?}"
     );
     assert!(k.iter().all(|k| (k / 2.0 - 1.0).abs() < 1e-3));
+    // A step at which what is seen of it is beyond the gamut: still an index.
+    let (.., materials) = sides(
+        "<bsdf type='conductor'><spectrum name='eta' value='590:0.1, 600:3'/><float name='k' value='4'/></bsdf>",
+    );
+    let Model::Conductor { eta, .. } = &materials[0].model else {
+        panic!()
+    };
+    assert!(
+        eta.iter().all(|e| (0.1..=3.0).contains(e)) && eta[2] == 0.1,
+        "{eta:?}"
+    );
     let (front, back, materials) = sides("<bsdf type='null'/>");
     assert_eq!((front, back), (Some(0), Some(0)));
     assert!(matches!(materials[0].model, Model::Null));
