@@ -25,6 +25,11 @@ pub(crate) fn emitted(rows: &[[f32; 2]]) -> Color {
     color(seen(|nm| at(rows, nm)))
 }
 
+/// The colour of a spectrum times that of white light.
+fn by_white_light(rows: &[[f32; 2]]) -> Color {
+    color(seen(|nm| at(rows, nm) * white(nm)))
+}
+
 /// What a spectrum that is no light is to red, green and blue, by white light: a flat one is its value in each, and none is beyond its rows.
 pub(crate) fn weighed(rows: &[[f32; 2]]) -> Color {
     let values = || rows.iter().map(|[_, x]| *x);
@@ -32,10 +37,10 @@ pub(crate) fn weighed(rows: &[[f32; 2]]) -> Color {
         values().fold(f32::INFINITY, f32::min),
         values().fold(0.0, f32::max),
     );
-    color(seen(|nm| at(rows, nm) * white(nm))).map(|x| x.max(least).min(most))
+    by_white_light(rows).map(|x| x.max(least).min(most))
 }
 
 /// The colour of what reflects a spectrum of white light.
 pub(crate) fn reflected(rows: &[[f32; 2]]) -> Color {
-    color(seen(|nm| at(rows, nm) * white(nm))).map(|x| x.min(1.0))
+    by_white_light(rows).map(|x| x.min(1.0))
 }

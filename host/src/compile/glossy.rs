@@ -45,11 +45,14 @@ fn hemisphere(steps: u32, f: impl Fn(f32) -> f32) -> f32 {
     (sum / f64::from(steps)) as f32
 }
 
-/// Mean reflectance of a conductor under diffuse light.
+/// Mean reflectance of index `eta` + i`k` under diffuse light.
+fn mean(eta: f32, k: f32) -> f32 {
+    hemisphere(256, |cos| fresnel::conductor(eta, k, cos)).clamp(0.0, 1.0)
+}
+
+/// The same of a conductor, by channel.
 pub(super) fn mean_reflectance(eta: Color, k: Color) -> Color {
-    std::array::from_fn(|c| {
-        hemisphere(256, |cos| fresnel::conductor(eta[c], k[c], cos)).clamp(0.0, 1.0)
-    })
+    std::array::from_fn(|c| mean(eta[c], k[c]))
 }
 
 /// The same by wavelength, at each row of either table.
@@ -57,8 +60,8 @@ pub(super) fn mean_reflectances(eta: &[[f32; 2]], k: &[[f32; 2]]) -> Spectrum {
     let mut rows: Vec<f32> = eta.iter().chain(k).map(|[nm, _]| *nm).collect();
     rows.sort_by(f32::total_cmp);
     rows.dedup();
-    let mean = |nm| mean_reflectance([at(eta, nm); 3], [at(k, nm); 3])[0];
-    rows.into_iter().map(|nm| [nm, mean(nm)]).collect()
+    let mean = |nm| [nm, mean(at(eta, nm), at(k, nm))];
+    rows.into_iter().map(mean).collect()
 }
 
 /// How much of diffuse light inside a smooth coat is reflected: 1 − (1 − ρ_e)/η², as (1 − ρ_e) comes in from outside (Duntley 1942).

@@ -104,12 +104,12 @@ impl Surfaces {
     /// A conductor's η and k by wavelength: textures of what they are over their largest value. Without wavelengths they are what the model says.
     fn by_wavelength(&mut self, m: &mut Material, spectra: &Option<[Spectrum; 2]>) {
         let Some(spectra) = spectra else { return };
-        for (i, rows) in spectra.iter().enumerate() {
-            let constant = if i == 0 { &mut m.eta } else { &mut m.k };
+        let [.., eta, k] = &mut m.texture;
+        for (rows, (constant, texture)) in spectra.iter().zip([(&mut m.eta, eta), (&mut m.k, k)]) {
             let most = rows.iter().map(|[_, x]| *x);
             let most = most.chain(*constant).fold(f32::MIN_POSITIVE, f32::max);
             let shares: Vec<_> = rows.iter().map(|[nm, x]| [*nm, x / most]).collect();
-            m.texture[2 + i] = self.spectrum(&shares, constant.map(|x| x / most));
+            *texture = self.spectrum(&shares, constant.map(|x| x / most));
             *constant = [most; 3];
         }
     }
