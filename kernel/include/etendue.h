@@ -341,8 +341,8 @@ typedef struct EtdHooks {
     // Whether anything is hit at t_min < t < t_max; 0 for no.
     int32_t (*occluded)(void *user,
                         const struct EtdRay *ray);
-    // The caller's own random numbers in [0, 1), uniform. `subpath` 0 is the walk from the sensor, 1 from a light; `vertex`
-    // counts along it; `purpose` says what for (0 filter, 1 lens, 2 choice of light, 3 point on it, 4 its direction,
+    // The caller's own random numbers in [0, 1), uniform. `subpath` 0 is the walk from the sensor, 1 from a light, 2 any of those that the sensor's
+    // is split into; `vertex` counts along it; `purpose` says what for (0 filter, 1 lens, 2 choice of light, 3 point on it, 4 its direction,
     // 5 lobe, 6 direction, 7 opacity, 8 roulette, 9 leading channel, 10 flight, 11 part of a blend). A value outside [0, 1) is taken to the nearer end.
     float (*random)(void *user,
                     uint32_t subpath,

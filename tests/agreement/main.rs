@@ -15,7 +15,7 @@ use etendue::{Estimator, Heuristic, Scene, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::Description;
 use etendue_host::scene::{Changes, prepare};
-use etendue_tests::matrix::{Complete, Named, media, scenes};
+use etendue_tests::matrix::{Complete, Named, media, panes, scenes};
 use etendue_tests::render::{Estimate, blob, double, single};
 use etendue_tests::{noise, samples, some, takes};
 use rayon::prelude::*;
@@ -199,6 +199,11 @@ fn grids() {
 #[test]
 fn boundaries_of_media() {
     all_agree(media::boundaries());
+}
+
+#[test]
+fn light_through_glass_behind_glass() {
+    all_agree(panes::panes());
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! µs per sample and efficiency of `path` and `bidirectional`: `cargo bench --bench estimators`, or `-- SCENE…` for some of the scenes.
+//! µs per sample and efficiency of `path` and `bidirectional`, with independent numbers and Sobol' points: `cargo bench --bench estimators`, or `-- SCENE…` for some of the scenes.
 //!
 //! n·relMSE = n × mean over pixels and channels of (x−ref)²/(ref² + 0.01·m²), m the mean of ref, the reference's
 //! own noise taken off; efficiency = 1/(n·relMSE × CPU seconds per sample of every pixel).
@@ -6,10 +6,12 @@
 //!
 //! Budget, scene 4, bidirectional: 5.9 closest-hit and 8.7 shadow rays per pair of walks in SmallVCM.
 //!
-//! What others reach, one thread. SmallVCM's bpt on scenes 4, 5, 6, by g++ 12, on the core and in the minutes in which `bidirectional` took 2.9, 3.5 and
-//! 3.6 µs: 4.4, 4.6, 4.9 µs per pair (`-O3`) and 3.7, 3.8, 4.1 (`-O3 -march=native`); n·relMSE 0.26, 1.28, 1.79, the mean of 13 renders like ours.
+//! What others reach, one thread. SmallVCM's bpt on scenes 4, 5, 6, by g++ 12, on the core and in the minutes in which `bidirectional` took 3.1, 3.5 and
+//! 3.7 µs, and 3.5, 4.0 and 4.3 with Sobol' points: 4.3, 4.6, 4.7 µs per pair (`-O3`) and 3.7, 3.8, 3.9 (`-O3 -march=native`); n·relMSE 0.26, 1.31, 1.80,
+//! the mean of 8 renders of 32 samples like ours.
 //! Of other machines only ratios say something: Mitsuba 3.9 on cornell_diffuse 2.29 (scalar) and 1.31 (llvm) µs per sample.
 
+use etendue::random::Sequence;
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::develop::read;
 use etendue_host::render::{Budget, Device, Options, render};
@@ -31,7 +33,7 @@ fn main() {
         Err(_) => Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes"),
     };
     println!(
-        "scene                        estimator       µs/sample  rays/sample  n·relMSE  efficiency"
+        "scene                        estimator      sampler      µs/sample  rays/sample  n·relMSE  efficiency"
     );
     // Cargo adds options of its own.
     let some: Vec<String> = std::env::args()
@@ -52,7 +54,9 @@ fn main() {
                 println!("{name:<28} not found in {}", folder.display());
                 continue;
             };
-            measure(name, &file, &reference, noise, passes, estimator);
+            for sequence in [Sequence::Independent, Sequence::Sobol] {
+                measure(name, &file, &reference, noise, passes, estimator, sequence);
+            }
         }
     }
 }
@@ -64,6 +68,7 @@ fn measure(
     noise: f64,
     passes: u64,
     estimator: Estimator,
+    sequence: Sequence,
 ) {
     let reference = read(reference).unwrap_or_else(|e| panic!("{e}"));
     let prepared = prepare(file, &[], Changes::default()).unwrap_or_else(|e| panic!("{e}"));
@@ -73,6 +78,7 @@ fn measure(
             let options = Options {
                 settings: Settings {
                     estimator,
+                    sequence,
                     seed,
                     max_edges: prepared.advice.max_depth,
                     ..Settings::default()
@@ -98,7 +104,7 @@ fn measure(
     let [w, h] = scene.size();
     let efficiency = 1.0 / (error * seconds * f64::from(w * h));
     println!(
-        "{name:<28} {estimator:<14?} {:>10.3} {rays:>12.2} {error:>9.3} {efficiency:>11.2}",
+        "{name:<28} {estimator:<14?} {sequence:<11?} {:>10.3} {rays:>12.2} {error:>9.3} {efficiency:>11.2}",
         seconds * 1e6
     );
 }

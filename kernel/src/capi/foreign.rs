@@ -120,6 +120,7 @@ impl Sampler for Numbers<'_> {
                 *subpath = match to {
                     Subpath::Sensor => 0,
                     Subpath::Light => 1,
+                    Subpath::Aside => 2,
                 };
                 *vertex = index;
             }

@@ -219,6 +219,7 @@ impl<S: Spectrum> Strategies<S> for Drawing<'_, '_, '_, S> {
             (Wanted::Only(only), Subpath::Light) => {
                 only.s > vertices && (only.s > 1 || only.t == 1)
             }
+            (Wanted::Only(_), Subpath::Aside) => false,
         }
     }
     // Not inlined: nine places take.
@@ -250,6 +251,10 @@ impl<S: Spectrum> Strategies<S> for Drawing<'_, '_, '_, S> {
     #[inline(always)]
     fn little(&self) -> Real {
         0.0
+    }
+    #[inline(always)]
+    fn more(&self) -> u32 {
+        0
     }
 }
 

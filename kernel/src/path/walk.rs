@@ -20,6 +20,8 @@ use crate::surface::Mode;
 #[derive(Clone, Copy, Debug)]
 pub struct Walk<S> {
     mode: Mode,
+    /// Whose numbers it takes.
+    subpath: Subpath,
     /// The way it is on.
     pub ray: Ray,
     /// f/p up to and including the direction of `ray`.
@@ -76,6 +78,7 @@ impl<S: Spectrum> Walk<S> {
     pub fn from_sensor(start: &Start, medium: u32, light_paths: Real) -> Self {
         Self {
             mode: Mode::Radiance,
+            subpath: Subpath::Sensor,
             ray: start.ray,
             throughput: S::grey(start.scale),
             ratio: S::WHITE,
@@ -122,6 +125,7 @@ impl<S: Spectrum> Walk<S> {
         }
         Self {
             mode: Mode::Importance,
+            subpath: Subpath::Light,
             ray: Ray {
                 origin: emission.origin,
                 direction: emission.direction,
@@ -148,8 +152,9 @@ impl<S: Spectrum> Walk<S> {
         }
     }
 
-    /// Goes to the next vertex.
-    #[inline(always)]
+    /// Goes to the next vertex. Inlined where [`Vertex::scatter`] is.
+    #[cfg_attr(any(target_family = "wasm", target_arch = "arm"), inline(never))]
+    #[cfg_attr(not(any(target_family = "wasm", target_arch = "arm")), inline(always))]
     pub fn arrive<T: Tracer, K: Instance<S = S>>(
         &mut self,
         trace: &mut Trace<'_, '_, T, K>,
@@ -345,13 +350,19 @@ impl<S: Spectrum> Walk<S> {
         self.pdf
     }
 
+    /// The same as one of several that it is split into.
     #[inline(always)]
-    fn announce(&self, sampler: &mut impl Sampler) {
-        let subpath = match self.mode {
-            Mode::Radiance => Subpath::Sensor,
-            Mode::Importance => Subpath::Light,
-        };
-        sampler.at(subpath, self.edges);
+    pub fn aside(&self) -> Self {
+        Self {
+            subpath: Subpath::Aside,
+            ..*self
+        }
+    }
+
+    /// The next numbers are for where its last edge ends.
+    #[inline(always)]
+    pub fn announce(&self, sampler: &mut impl Sampler) {
+        sampler.at(self.subpath, self.edges);
     }
 }
 

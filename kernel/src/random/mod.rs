@@ -25,6 +25,8 @@ pub enum Subpath {
     Sensor,
     /// The walk from an emitter.
     Light,
+    /// Those that the sensor's is split into, any number of them: no dimension belongs to one.
+    Aside,
 }
 
 /// What a number decides at its vertex.

@@ -1,6 +1,7 @@
 //! The scenes that estimators have to agree on.
 
 pub mod media;
+pub mod panes;
 pub mod scenes;
 
 /// What can make all light of a scene.

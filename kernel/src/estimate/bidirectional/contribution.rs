@@ -53,10 +53,7 @@ pub(super) fn met_light<T: Tracer, K: Instance>(
     if K::MEDIA && y.scattering.is_some() {
         return met_glow(trace, mis, walk, y, sensor);
     }
-    let Some(e) = scene
-        .shape(y.point.shape)
-        .and_then(|s| scene.emitter(s.emitter))
-    else {
+    let Some(e) = emitter::on(&scene, y.point.shape) else {
         return K::S::BLACK;
     };
     let radiance = emitter::radiance(scene, e, &y.point, y.previous);
