@@ -62,6 +62,10 @@ impl Description {
                         .any(|t| matches!(t.pattern, Pattern::Spectrum(_)))
                     || self.shapes.iter().any(|s| s.spectrum.is_some())
                     || self.emitters.iter().any(|e| e.spectrum.is_some())
+                    || self
+                        .media
+                        .iter()
+                        .any(|m| m.spectra.iter().any(Option::is_some))
             }
             Carry::Rgb => false,
             Carry::Wavelengths => true,

@@ -270,9 +270,11 @@ fn scale_and_place() {
 #[test]
 fn spheres_and_their_meshes() {
     let (exact, mesh) = scenes::sphere_and_mesh();
-    let a = estimates(&exact, Estimator::Bidirectional, Heuristic::Power, None, 24);
-    let b = estimates(&mesh, Estimator::Bidirectional, Heuristic::Power, None, 24);
-    assert_agree("sphere against mesh", &a, &b);
+    for both in [vec![[exact, mesh]], media::spheres_and_meshes()].concat() {
+        let [a, b] =
+            both.map(|d| estimates(&d, Estimator::Bidirectional, Heuristic::Power, None, 24));
+        assert_agree("sphere against mesh", &a, &b);
+    }
 }
 
 /// Transforms that mirror: what is left goes right, and nothing else changes. What is said to be outside stays outside.

@@ -1,10 +1,12 @@
 //! Wavelengths: what disperses and what gives spectra by every estimator, and grey scenes, which are the same in both.
 
 use super::{Z, agree, estimates};
+use etendue::real::Real;
+use etendue::spectrum::{interpolate, seen};
 use etendue::{Estimator, Heuristic};
 use etendue_host::description::{
     Carry, ColorSource, Description, Distribution, EmitterKind, Facets, Index, Masking, Medium,
-    Model, Pattern, Phase, Texture,
+    Model, Pattern, Phase, Projection, Texture,
 };
 use etendue_tests::matrix::Complete::{FromLight, FromSensor};
 use etendue_tests::matrix::Named;
@@ -56,7 +58,23 @@ pub fn dispersing() -> Named {
     ("a dispersing ball", d, FromSensor)
 }
 
-/// Spectra of a surface and of lights, and smooth surfaces of every colour: all light is made from the lights as well.
+/// A medium that is spectra in all of its parts.
+fn burning() -> Medium {
+    let spectra = [
+        vec![[400.0, 4.0], [520.0, 0.5], [560.0, 3.0], [700.0, 1.0]],
+        vec![[450.0, 0.2], [650.0, 0.8]],
+        vec![[420.0, 0.1], [590.0, 1.0], [610.0, 0.2]],
+    ];
+    Medium {
+        sigma_t: [1.5, 1.5, 2.5],
+        albedo: [0.7, 0.5, 0.3],
+        emission: [0.6, 0.4, 0.1],
+        spectra: spectra.map(Some),
+        ..Medium::default()
+    }
+}
+
+/// Spectra of a surface, a medium and of lights, and smooth surfaces of every colour: all light is made from the lights as well.
 fn spectra() -> Description {
     room(|b| {
         let rows = vec![[380.0, 0.05], [500.0, 0.9], [530.0, 0.1], [700.0, 0.8]];
@@ -93,6 +111,8 @@ fn spectra() -> Description {
             ..Medium::default()
         });
         b.fog([0.0, 0.0, 0.1], [0.7, 0.7, 1.0], smoke);
+        let flame = b.matter(burning());
+        b.fog([-0.8, -0.8, 0.1], [-0.2, -0.2, 0.8], flame);
         b.sphere([0.5, -0.4, 1.5], 0.2, None).emission = Some([8.0, 6.0, 4.0]);
         b.description.shapes.last_mut().unwrap().spectrum =
             Some(vec![[420.0, 2.0], [560.0, 12.0], [600.0, 5.0]]);
@@ -137,6 +157,48 @@ fn tables_of_wavelengths() {
     agree("spectra", &d, FromLight, None);
     d.carry = Carry::Rgb;
     agree("what spectra stand for", &d, FromLight, None);
+}
+
+/// Light of a known spectrum S through a slab that absorbs and glows, seen straight on: S·e^(−σd) + E/σ_a·(1 − e^(−σd)) at each wavelength, where nothing
+/// scatters.
+#[test]
+fn a_filter_that_glows_in_closed_form() {
+    const DEPTH: f32 = 0.8;
+    let light = vec![[420.0, 0.3], [550.0, 1.5], [640.0, 0.4]];
+    let mut b = Builder::new().camera([0.0, -3.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0], 1.0, [4, 4]);
+    b.description.sensor.projection = Projection::Orthographic {
+        half_extent: [0.2; 2],
+    };
+    let mut medium = burning();
+    medium.albedo = [0.0; 3];
+    medium.spectra[1] = None;
+    let [Some(sigma), _, Some(glow)] = medium.spectra.clone() else {
+        unreachable!()
+    };
+    let filter = b.matter(medium);
+    b.fog([-1.0, 0.0, -1.0], [1.0, DEPTH, 1.0], filter);
+    b.light(EmitterKind::Constant { radiance: [1.0; 3] });
+    b.description.emitters[0].spectrum = Some(light.clone());
+    let at = |rows: &[[f32; 2]], nm: Real| {
+        let words: Vec<[u32; 2]> = rows.iter().map(|row| row.map(f32::to_bits)).collect();
+        interpolate(&words, nm)
+    };
+    let expected = seen(|nm| {
+        let (s, e, radiance) = (at(&sigma, nm), at(&glow, nm), at(&light, nm));
+        let tau = (-s * DEPTH).exp();
+        radiance * tau + e / s * (1.0 - tau)
+    });
+    for estimator in [Estimator::Path, Estimator::Bidirectional] {
+        let all = estimates(&b.description, estimator, Heuristic::Power, None, 2000);
+        for (i, e) in all.iter().enumerate() {
+            let truth = f64::from(expected.to_array()[i % 3]);
+            let z = (e.mean - truth) / e.error;
+            assert!(
+                e.error < 0.01 * truth && z.abs() < Z,
+                "{estimator:?}: {e:?}, expected {truth}, z = {z:.1}"
+            );
+        }
+    }
 }
 
 /// Where all colours are grey, wavelengths are drawn in vain: the mean is that of red, green and blue, in every block.

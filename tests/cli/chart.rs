@@ -261,3 +261,34 @@ fn bad_charts_are_refused_before_anything_is_rendered() {
     );
     refused(&at, 1, &["--reference", "small.exr"], &["5 × 5", "16 × 12"]);
 }
+
+/// `auto` is what its pilot chooses, here as in `render`.
+#[test]
+fn auto_is_charted_as_what_it_chooses() {
+    let (_keep, at) = folder();
+    let (_, numbers) = chart(&at, &["--estimators", "auto,path,bidirectional"]);
+    let names = names(&numbers);
+    let chosen = names[0]
+        .strip_prefix("auto (")
+        .and_then(|name| name.strip_suffix(')'))
+        .unwrap();
+    let i = names.iter().position(|name| *name == chosen).unwrap();
+    let errors = |i: usize| numbers["variants"][i]["rungs"][0]["trials"].clone();
+    let mse = |i: usize| errors(i)[0]["mse"].clone();
+    assert_eq!(mse(0), mse(i));
+    assert_ne!(mse(0), mse(3 - i));
+    // The same estimator, said aloud and named outright, makes the same image.
+    let render = |estimator: &str, file: &str, threads: &str| {
+        let how = ["--estimator", estimator, "--threads", threads, "--spp", "2"];
+        let all = [&["render", "scene.xml", "-o", file][..], &how].concat();
+        let output = etendue(&at, &all);
+        assert!(output.status.success());
+        (bytes(&at, file), text(&output.stderr))
+    };
+    let (auto, said) = render("auto", "a.exr", "1");
+    assert!(said.starts_with(&format!("{chosen}: ")), "{said}");
+    assert_eq!(auto, render("auto", "b.exr", "3").0);
+    assert_eq!(auto, render(chosen, "c.exr", "2").0);
+    let other = ["path", "bidirectional"].map(|name| render(name, "d.exr", "1").0);
+    assert_ne!(other[0], other[1]);
+}

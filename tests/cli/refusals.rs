@@ -98,6 +98,63 @@ fn scenes() {
 }
 
 #[test]
+fn matter() {
+    let medium = |from: &str, to: &str, parts: &[&str]| {
+        let fog = "<medium type=\"homogeneous\" name=\"interior\">\n<rgb name=\"sigma_t\" value=\"1, 2, 3\"/>\n<rgb name=\"albedo\" value=\"0.5\"/>\n<phase type=\"hg\">\n<float name=\"g\" value=\"0.5\"/></phase></medium>";
+        assert!(fog.contains(from), "{from} isn't in the medium");
+        let ball = format!(
+            "<shape type=\"sphere\"><bsdf type=\"dielectric\">\n<float name=\"int_ior\" value=\"1.5\"/></bsdf>{fog}</shape></scene>"
+        );
+        scene_refused("</scene>", &ball.replacen(from, to, 1), parts);
+    };
+    medium("1, 2, 3", "1, -2, 3", &["bad.xml:21", "sigma_t", "-2"]);
+    medium("1, 2, 3", "1, inf, 3", &["bad.xml:21", "sigma_t", "inf"]);
+    medium("1, 2, 3", "1, nan, 3", &["bad.xml:21", "sigma_t", "nan"]);
+    medium(
+        "value=\"0.5\"/>\n<phase",
+        "value=\"1.5\"/>\n<phase",
+        &["bad.xml:2", "albedo", "1.5"],
+    );
+    medium(
+        "value=\"0.5\"/></phase",
+        "value=\"1\"/></phase",
+        &["bad.xml:24", "g must be between -1 and 1"],
+    );
+    scene_refused(
+        "<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"$grey\"/></bsdf>",
+        "<bsdf type=\"dielectric\"><float name=\"int_ior\" value=\"0\"/></bsdf>",
+        &["bad.xml:10", "int_ior"],
+    );
+}
+
+#[test]
+fn volumes() {
+    let (_keep, at) = folder();
+    let smoke = "<shape type=\"cube\"><bsdf type=\"null\"/><medium type=\"heterogeneous\" name=\"interior\"><volume type=\"gridvolume\" name=\"sigma_t\"><string name=\"filename\" value=\"m.vol\"/></volume></medium></shape></scene>";
+    std::fs::write(at.join("smoke.xml"), SCENE.replace("</scene>", smoke)).unwrap();
+    // VOL, version 3, f32, 2 × 2 × 2 texels of one channel, a box, and one number too few.
+    let mut bytes = b"VOL\x03".to_vec();
+    bytes.extend([1i32, 2, 2, 2, 1].iter().flat_map(|i| i.to_le_bytes()));
+    let numbers = |n: usize| vec![1.0f32.to_le_bytes(); n].concat();
+    bytes.extend(numbers(6));
+    for (count, last, part) in [
+        (7, 1.0, "28 bytes of data, expected 32"),
+        (8, -1.0, "-1"),
+        (8, f32::NAN, "NaN"),
+    ] {
+        let mut file = [bytes.clone(), numbers(count)].concat();
+        let end = file.len() - 4;
+        file[end..].copy_from_slice(&f32::to_le_bytes(last));
+        std::fs::write(at.join("m.vol"), file).unwrap();
+        refused(
+            &at,
+            &["render", "smoke.xml", "-o", "x.exr"],
+            &["m.vol", part],
+        );
+    }
+}
+
+#[test]
 fn meshes() {
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let shape = "<shape type=\"obj\"><string name=\"filename\" value=\"m.obj\"/><emitter type=\"area\"><rgb name=\"radiance\" value=\"1\"/></emitter></shape></scene>";

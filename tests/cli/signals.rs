@@ -128,6 +128,18 @@ fn images_have_the_rights_of_any_new_file() {
     use std::os::unix::fs::PermissionsExt;
     let (_keep, at) = folder();
     succeed(&at, &["render", "scene.xml", "-o", "x.png", "--quiet"]);
+    let page = [
+        "stability",
+        "--only",
+        "close-light",
+        "--spp-scale",
+        "0.01",
+        "-o",
+        "x.html",
+        "--quiet",
+    ];
+    let _ = super::etendue(&at, &page);
     let mode = |name: &str| at.join(name).metadata().unwrap().permissions().mode();
     assert_eq!(mode("x.png"), mode("scene.xml"));
+    assert_eq!(mode("x.html"), mode("scene.xml"));
 }

@@ -27,6 +27,14 @@ pub fn media() -> Vec<Break> {
             *word(d, part, index) = value.to_bits();
         })
     };
+    // A spectrum of one row.
+    let row = |rule, value: f32, change: fn(&mut Medium)| {
+        broken(rule, section::MEDIA, FOG, move |d| {
+            let texels = d.all::<u32>(section::TEXELS);
+            (texels[0], texels[1]) = (500.0f32.to_bits(), value.to_bits());
+            change(&mut d.all::<Medium>(section::MEDIA)[FOG]);
+        })
+    };
     // The media read all of their words each, and as many times as that is allowed.
     let words: usize = WORDS.iter().sum();
     let most = 16 * crate::scene().all::<u32>(section::TEXELS).len() / words;
@@ -58,8 +66,19 @@ pub fn media() -> Vec<Break> {
         lobe(Rule::LobeWeight, |l| l.weight = -0.1),
         lobe(Rule::LobeReserved, |l| l.reserved = 1),
         lobe(Rule::LobeSum, |l| l.weight = 0.2502),
-        fog(Rule::MediumReserved, |m| m.reserved[1] = 1),
-        fog(Rule::MediumReserved, |m| m.reserved2[3] = 1),
+        fog(Rule::MediumRows, |m| m.albedo_spectrum = [1, 0]),
+        fog(Rule::MediumRows, |m| m.sigma_t_spectrum = [u32::MAX, 2]),
+        cloud(Rule::MediumRows, |m| m.sigma_t_spectrum = [0, 1]),
+        row(Rule::MediumRows, 1.5, |m| m.albedo_spectrum = [0, 1]),
+        row(Rule::MediumRows, 1.1e20, |m| m.emission_spectrum = [0, 1]),
+        row(Rule::MediumSigma, 1e-13, |m| m.sigma_t_spectrum = [0, 1]),
+        row(Rule::MediumAbsorption, 0.5, |m| m.albedo_spectrum = [0, 1]),
+        row(Rule::MediumEmission, 1.0, |m| {
+            (m.emission, m.emission_spectrum) = ([0.0; 3], [0, 1]);
+        }),
+        row(Rule::MediumBudget, 0.5, |m| {
+            m.albedo_spectrum = [0, u32::MAX]
+        }),
         cloud(Rule::MediumExtinctions, |m| m.extinctions = NONE),
         cloud(Rule::MediumAlbedos, |m| m.albedos = 3),
         cloud(Rule::MediumEmissions, |m| m.emissions = 3),

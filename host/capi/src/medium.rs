@@ -225,6 +225,7 @@ fn described(m: &EtdMedium, name: String) -> Result<Medium, Trouble> {
         albedo: m.albedo,
         emission: m.emission,
         phase,
+        spectra: [const { None }; 3],
         grids,
     })
 }

@@ -24,7 +24,8 @@ const NAMES: usize = 8;
 
 /// Bake a light map: irradiance on a mesh with texture coordinates, as an image
 ///
-/// A texel is the part of the mesh that its square of the map covers; row 0 is v = 0. Ctrl-C ends it and writes nothing.
+/// A texel is the part of the mesh that its square of the map covers; row 0 is v = 0. Ctrl-C ends it and writes nothing. The pilot of
+/// `auto` is one of images: here `auto` is `path`.
 #[derive(clap::Args, Debug)]
 pub struct Bake {
     /// Mitsuba 3 scene (.xml)

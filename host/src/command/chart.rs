@@ -366,9 +366,21 @@ impl Chart {
             scenes.insert(key.clone(), Rc::new(prepared));
         }
         let prepared = Rc::clone(&scenes[&key]);
+        let mut settings = variant.how.settings(prepared.advice.max_depth);
+        let scene = etendue::Scene::open(prepared.blob.bytes()).map_err(|e| e.to_string())?;
+        let threads = self.threads.unwrap_or(0) as usize;
+        let chosen = variant.how.choose(&mut settings, &scene, threads);
+        let mut name = name.to_owned();
+        if let Some(why) = chosen.map_err(|e| format!("{}: {e}", self.scene.display()))? {
+            if !self.quiet {
+                eprintln!("{name}: {why}");
+            }
+            let estimator = why.split(':').next().unwrap_or_default();
+            name = format!("{name} ({estimator})");
+        }
         Ok(Subject {
-            name: name.into(),
-            settings: variant.how.settings(prepared.advice.max_depth),
+            name,
+            settings,
             double: variant.precision == PrecisionName::Double,
             prepared,
         })

@@ -168,6 +168,12 @@ impl How {
                 f.cost
             )
         };
+        if best.mse <= 0.0 {
+            let (name, best, second) = (name(best.estimator), of(best), of(second));
+            return Ok(Some(format!(
+                "{name}: by a pilot without error ({best}; {second})"
+            )));
+        }
         Ok(Some(format!(
             "{}: by a pilot {:.2} times as efficient ({}; {})",
             name(best.estimator),

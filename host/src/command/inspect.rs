@@ -5,10 +5,10 @@ use super::{Failure, print, warn};
 use crate::reach::unreachable;
 use crate::scene::prepare;
 use crate::stability::Method;
-use etendue::Scene;
 use etendue::blob::format::{
     Header, NONE, Toc, WIDTH, child, emitter, material, medium, needs, section, sensor,
 };
+use etendue::{Estimator, Scene, Settings};
 use std::fmt::{self, Write};
 use std::path::PathBuf;
 
@@ -382,8 +382,12 @@ fn left_out(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
 fn paths(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
     // Estimators that lack the same paths share a line.
     let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
-    for (method, name) in Method::ALL {
-        let settings = method.settings(None, 0);
+    let methods = Method::ALL.map(|(method, name)| (method.settings(None, 0), name));
+    let chains = Settings {
+        estimator: Estimator::Metropolis,
+        ..Settings::default()
+    };
+    for (settings, name) in methods.into_iter().chain([(chains, "metropolis")]) {
         let refused = settings.estimator.refuses(scene).map(str::to_owned);
         for text in refused.into_iter().chain(unreachable(scene, &settings)) {
             match lines.iter_mut().find(|(line, _)| *line == text) {

@@ -1,15 +1,16 @@
 //! `etendue stability`.
 
 use super::{Failure, print};
+use crate::develop::{check_writable, write_files};
 use crate::stability::{Budget, Row, html, manifest, prepare, run, table};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 /// Run the atlas of scenes at which methods break, and compare with what is written down
 ///
-/// Every estimator renders every scene of the atlas, in single and in double precision. Exits with 1 if an outcome differs from the
-/// one that the manifest states.
+/// Each scene of the atlas is rendered by the estimators of which the manifest states an outcome, in single and in double precision. Exits with 1
+/// if an outcome differs.
 #[derive(clap::Args, Debug)]
 pub struct Stability {
     /// Page to write (.html), with why each outcome is expected
@@ -59,7 +60,10 @@ impl Stability {
             return print(&lines.concat());
         }
         // What can't be written is refused before anything is rendered.
-        let file = self.output.as_deref().map(temporary).transpose()?;
+        if let Some(path) = &self.output {
+            is_page(path)?;
+            check_writable(path)?;
+        }
         let ready = prepare(cases)?;
         let bar =
             self.progress_bar(ready.iter().map(|r| r.case.expected.len()).sum::<usize>() as u64);
@@ -72,11 +76,8 @@ impl Stability {
             bar.inc(1);
         })?;
         bar.finish_and_clear();
-        if let (Some(mut file), Some(path)) = (file, &self.output) {
-            let failed = |e: std::io::Error| format!("{}: can't be written: {e}", path.display());
-            file.write_all(html(&ready, &rows).as_bytes())
-                .map_err(failed)?;
-            file.persist(path).map_err(|e| failed(e.error))?;
+        if let Some(path) = &self.output {
+            write_files(&[(path, html(&ready, &rows).as_bytes())])?;
         }
         print(&if self.json { json(&rows) } else { table(&rows) })?;
         let differ = rows.iter().filter(|r| !r.is_met()).count();
@@ -101,8 +102,8 @@ impl Stability {
     }
 }
 
-/// A file beside the report that becomes it when all is written.
-fn temporary(path: &Path) -> Result<tempfile::NamedTempFile, String> {
+/// Refuses what isn't the name of one.
+fn is_page(path: &Path) -> Result<(), String> {
     if path
         .extension()
         .is_none_or(|e| !e.eq_ignore_ascii_case("html"))
@@ -112,12 +113,7 @@ fn temporary(path: &Path) -> Result<tempfile::NamedTempFile, String> {
             path.display()
         ));
     }
-    let folder = path
-        .parent()
-        .filter(|p| !p.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    tempfile::NamedTempFile::new_in(folder)
-        .map_err(|e| format!("{}: can't be written: {e}", path.display()))
+    Ok(())
 }
 
 /// All rows as one object.

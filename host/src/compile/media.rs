@@ -6,7 +6,10 @@ mod objects;
 pub(super) mod space;
 
 use super::bvh::Bounds;
-use crate::description::{Color, Description, Geometry, Grid, Grids, Medium, Phase, Tracking};
+use crate::description::{
+    Color, Description, Geometry, Grid, Grids, Medium, Phase, Spectrum, Tracking, is_spectrum,
+};
+use crate::spectra::append;
 use bytemuck::Zeroable;
 use etendue::blob::MAX_COORDINATE;
 use etendue::blob::format::{self, Lobe, NONE, medium, needs};
@@ -66,6 +69,8 @@ impl Media {
         texels: &mut Vec<u32>,
     ) -> Result<(), String> {
         check(m)?;
+        let mut rows = |s: &Option<Spectrum>| s.as_ref().map_or([0; 2], |s| append(texels, s));
+        let [sigma_t, albedo, emission] = &m.spectra;
         let mut record = format::Medium {
             sigma_t: m.sigma_t,
             albedo: m.albedo,
@@ -76,6 +81,9 @@ impl Media {
             albedos: NONE,
             emissions: NONE,
             emitter: NONE,
+            sigma_t_spectrum: rows(sigma_t),
+            albedo_spectrum: rows(albedo),
+            emission_spectrum: rows(emission),
             ..format::Medium::zeroed()
         };
         let mut emitted = mean(m.emission);
@@ -247,6 +255,51 @@ fn check(m: &Medium) -> Result<(), String> {
         if m.emission[c] > 0.0 && !absorbs && (!varies || m.sigma_t[c] == 0.0) {
             return Err("emits where it doesn't absorb, expected sigma_t > 0 and albedo < 1 in each channel that emits".into());
         }
+    }
+    check_spectra(m)
+}
+
+/// The same of spectra.
+fn check_spectra(m: &Medium) -> Result<(), String> {
+    if m.spectra.iter().all(Option::is_none) {
+        return Ok(());
+    }
+    if m.grids.is_some() {
+        return Err("spectra and grids, expected one or the other".into());
+    }
+    let [least, most] = EXTINCTION;
+    let ranges = [
+        ("sigma_t", most),
+        ("albedo", 1.0),
+        ("emission", MOST_EMISSION),
+    ];
+    for (rows, (name, most)) in m.spectra.iter().zip(ranges) {
+        if rows.as_ref().is_some_and(|rows| !is_spectrum(rows, most)) {
+            return Err(format!(
+                "the spectrum of {name} must have rows by rising wavelength, values in [0, {most:e}]"
+            ));
+        }
+    }
+    let values = |i: usize, colors: Color| {
+        let rows = m.spectra[i].iter().flatten().map(|[_, value]| *value);
+        rows.chain(colors).collect::<Vec<f32>>()
+    };
+    let (sigma_t, albedo, emission) = (
+        values(0, m.sigma_t),
+        values(1, m.albedo),
+        values(2, m.emission),
+    );
+    if let Some(s) = sigma_t.iter().find(|s| **s != 0.0 && **s < least) {
+        return Err(format!(
+            "sigma_t must be 0 or in [{least:e}, {most:e}], found {s}"
+        ));
+    }
+    let absorbs = sigma_t.iter().all(|s| *s > 0.0) && albedo.iter().all(|a| *a < 1.0);
+    if emission.iter().any(|e| *e > 0.0) && !absorbs {
+        return Err("emits where it doesn't absorb, expected sigma_t > 0 and albedo < 1 at every wavelength".into());
+    }
+    if emission.iter().any(|e| *e > 0.0) && m.emission == [0.0; 3] {
+        return Err("emits what can't be seen, expected emission between 380 and 780 nm".into());
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! What fills scattering volumes.
 
-use super::{Color, Place};
+use super::{Color, Place, Spectrum};
 
 /// A medium: absorbs, scatters, emits.
 #[derive(Clone, Debug)]
@@ -17,6 +17,8 @@ pub struct Medium {
     pub emission: Color,
     /// Parts of the phase function, one to four; their weights are relative to each other.
     pub phase: Vec<Lobe>,
+    /// σ_t, albedo and E by wavelength, where that is known; the colours are what they stand for in red, green and blue. Not with grids.
+    pub spectra: [Option<Spectrum>; 3],
     /// How it varies; `None`: the same everywhere.
     pub grids: Option<Grids>,
 }
@@ -31,6 +33,7 @@ impl Default for Medium {
             albedo: [0.0; 3],
             emission: [0.0; 3],
             phase: vec![Lobe::from(Phase::Isotropic)],
+            spectra: [const { None }; 3],
             grids: None,
         }
     }

@@ -235,7 +235,7 @@ rules! {
     LobeWeight Range c"a lobe's weight must be in [0, 1]"
     LobeReserved Reserved c"a lobe's reserved word must be 0"
     LobeSum Range c"the weights of a medium's lobes must add up to 1"
-    MediumReserved Reserved c"reserved words must be 0"
+    MediumRows Range c"a medium's spectra must have rows by rising wavelength, values in the ranges of what they are spectra of; media of grids have none"
     MediumExtinctions Reference c"extinctions must be a grid's index"
     MediumAlbedos Reference c"albedos must be a grid's index, or none"
     MediumEmissions Reference c"emissions must be a grid's index, or none"

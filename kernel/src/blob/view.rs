@@ -1,7 +1,7 @@
 //! A scene as one path sees it: at the path's wavelengths.
 
 use super::Scene;
-use super::format::{Emitter, table};
+use super::format::{Emitter, Medium, table};
 use crate::spectrum::Spectrum;
 
 /// A scene, and what the channels of a path are. With [`crate::Rgb`] it is the scene alone.
@@ -45,16 +45,38 @@ impl<'s, 'a, S: Spectrum> View<'s, 'a, S> {
     /// Radiance, intensity or irradiance of an emitter.
     #[inline(always)]
     pub fn emitted(&self, e: &Emitter) -> S {
-        if cfg!(feature = "spectral") {
-            let [first, rows] = e.spectrum;
-            if rows > 0
-                && let Some(tabulated) =
-                    S::tabulated(table(self.texels(), first, rows), &self.waves)
-            {
-                return tabulated;
-            }
+        self.tabulated(e.spectrum)
+            .unwrap_or_else(|| self.light(e.radiance))
+    }
+
+    /// σ_t of a homogeneous medium.
+    #[inline(always)]
+    pub fn sigma_t(&self, m: &Medium) -> S {
+        self.tabulated(m.sigma_t_spectrum)
+            .unwrap_or_else(|| self.lift(m.sigma_t))
+    }
+
+    /// σ_s/σ_t of a homogeneous medium.
+    #[inline(always)]
+    pub fn albedo(&self, m: &Medium) -> S {
+        self.tabulated(m.albedo_spectrum)
+            .unwrap_or_else(|| self.lift(m.albedo))
+    }
+
+    /// E of a homogeneous medium.
+    #[inline(always)]
+    pub fn emission(&self, m: &Medium) -> S {
+        self.tabulated(m.emission_spectrum)
+            .unwrap_or_else(|| self.light(m.emission))
+    }
+
+    /// The spectrum in these rows of texels; `None` where there are none, or channels are too broad for that.
+    #[inline(always)]
+    pub fn tabulated(&self, [first, rows]: [u32; 2]) -> Option<S> {
+        if !cfg!(feature = "spectral") || rows == 0 {
+            return None;
         }
-        self.light(e.radiance)
+        S::tabulated(table(self.texels(), first, rows), &self.waves)
     }
 
     /// What coefficients of light stand for.

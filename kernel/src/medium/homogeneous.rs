@@ -18,8 +18,8 @@ pub(super) fn fly<S: Spectrum>(
     glow: &mut S,
     sampler: &mut impl Sampler,
 ) -> Flight<S> {
-    let sigma = scene.lift(m.sigma_t);
-    let emission = scene.light(m.emission);
+    let sigma = scene.sigma_t(m);
+    let emission = scene.emission(m);
     if !emission.is_black() {
         *glow += carried.throughput * shine(scene, m, length);
     }
@@ -37,7 +37,7 @@ pub(super) fn fly<S: Spectrum>(
         carried.draw(f, sigma * f);
         return Flight::Collided(Collision {
             t: s,
-            scattering: sigma * scene.lift(m.albedo),
+            scattering: sigma * scene.albedo(m),
             emission,
         });
     }
@@ -49,18 +49,16 @@ pub(super) fn fly<S: Spectrum>(
 /// ∫E·τ over `length`, which may be infinite.
 #[inline(always)]
 pub(super) fn shine<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, length: Real) -> S {
-    let sigma = scene.lift(m.sigma_t);
+    let sigma = scene.sigma_t(m);
     scene
-        .light(m.emission)
+        .emission(m)
         .zip(sigma, |e, sigma| e * saturation(sigma, length))
 }
 
 /// τ over `length`, which may be infinite.
 #[inline(always)]
 pub(super) fn transmittance<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, length: Real) -> S {
-    scene
-        .lift(m.sigma_t)
-        .map(|sigma| exp(-depth(sigma, length)))
+    scene.sigma_t(m).map(|sigma| exp(-depth(sigma, length)))
 }
 
 /// ∫₀ᴸ e^(−σs) ds = (1 − e^(−σL))/σ, regular at σ → 0. Where σ = 0 and L = ∞ nothing emits.

@@ -153,7 +153,7 @@ impl<'a, S: Spectrum> Way<'_, 'a, S> {
     /// E at `t`.
     pub fn emission(&self, t: Real) -> S {
         if self.medium.kind == medium::HOMOGENEOUS {
-            return self.scene.light(self.medium.emission);
+            return self.scene.emission(self.medium);
         }
         match self.passage() {
             Some(p) => p.emission(t, p.sigma(t)),
@@ -187,8 +187,8 @@ impl<'a, S: Spectrum> Way<'_, 'a, S> {
     /// σ_t and σ_s at `t`.
     pub fn matter(&self, t: Real) -> (S, S) {
         if self.medium.kind == medium::HOMOGENEOUS {
-            let sigma = self.scene.lift(self.medium.sigma_t);
-            return (sigma, sigma * self.scene.lift(self.medium.albedo));
+            let sigma = self.scene.sigma_t(self.medium);
+            return (sigma, sigma * self.scene.albedo(self.medium));
         }
         match self.passage() {
             Some(p) if p.line.start <= t && t <= p.line.end => {
@@ -240,14 +240,17 @@ impl<'a, S: Spectrum> Way<'_, 'a, S> {
 /// What MIS takes for σ_t of channel `lead`, wherever in the medium.
 #[inline(always)]
 pub fn density<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, lead: usize) -> Real {
-    scene.lift(m.mean).channel(lead)
+    let tabulated = scene.tabulated(m.sigma_t_spectrum);
+    tabulated
+        .unwrap_or_else(|| scene.lift(m.mean))
+        .channel(lead)
 }
 
 /// σ_t and E at the point `x` of the medium.
 #[inline]
 pub fn matter<S: Spectrum>(scene: View<'_, '_, S>, m: &Medium, x: Vec3) -> (S, S) {
     if m.kind == medium::HOMOGENEOUS || !cfg!(feature = "media") {
-        return (scene.lift(m.sigma_t), scene.light(m.emission));
+        return (scene.sigma_t(m), scene.emission(m));
     }
     grid::matter_at(scene, m, x)
 }

@@ -12,7 +12,7 @@ use etendue_host::description::{
 };
 
 /// What may be wrong with a scene whose numbers all are in their ranges.
-const REASONS: [&str; 18] = [
+const REASONS: [&str; 21] = [
     "a light needs an area",
     "a background already",
     // Media.
@@ -32,6 +32,9 @@ const REASONS: [&str; 18] = [
     "an index must be",
     "a spectrum must have",
     "an emitter's spectrum must",
+    "the spectrum of",
+    "spectra and grids",
+    "emits what can't be seen",
 ];
 
 /// **Property:** every description compiles to a blob that opens, or is refused with a reason; one whose numbers keep
@@ -146,6 +149,12 @@ fn medium(s: &mut Source<'_>, i: usize) -> Result<Medium> {
         [0.0; 3]
     };
     let grids = if s.coin()? { Some(grids(s)?) } else { None };
+    let mut spectra = [const { None }; 3];
+    for (rows_of, most) in spectra.iter_mut().zip([1e12, 1.0, 1e30]) {
+        if s.below(8)? == 0 {
+            *rows_of = Some(rows(s, most)?);
+        }
+    }
     Ok(Medium {
         name: format!("medium {i}"),
         place: Place::default(),
@@ -153,6 +162,7 @@ fn medium(s: &mut Source<'_>, i: usize) -> Result<Medium> {
         albedo: coefficients[1],
         emission,
         phase,
+        spectra,
         grids,
     })
 }

@@ -4,8 +4,8 @@ use super::Complete::{FromLight, FromSensor};
 use super::Named;
 use crate::scenes::{Builder, room};
 use etendue_host::description::{
-    ColorSource, Description, EmitterKind, Grid, GridValues, Lobe, Medium, Model, Phase,
-    Projection, Tracking,
+    ColorSource, Description, Distribution, EmitterKind, Facets, Geometry, Grid, GridValues, Lobe,
+    Masking, Medium, Model, Phase, Projection, Tracking,
 };
 
 const HG: Phase = Phase::HenyeyGreenstein { g: 0.6 };
@@ -153,7 +153,7 @@ pub fn grids() -> Vec<Named> {
     ]
 }
 
-/// Boundaries: glass, nested, masked, two-sided.
+/// Boundaries: glass, ground glass, nested, masked, two-sided.
 pub fn boundaries() -> Vec<Named> {
     let mut all: Vec<Named> = Vec::new();
     // Large lamps: a path tracer has to find them through glass.
@@ -173,6 +173,34 @@ pub fn boundaries() -> Vec<Named> {
         b.ball([0.3, 0.0, 0.5], 0.4, glass, wax);
     });
     all.push(("wax", d.description, FromSensor));
+    let d = room(|b| {
+        let ground = b.material(Model::RoughDielectric {
+            ior: 1.4,
+            reflectance: ColorSource::Constant([1.0; 3]),
+            transmittance: ColorSource::Constant([1.0; 3]),
+            facets: Facets {
+                alpha: [0.4; 2],
+                distribution: Distribution::Ggx,
+                masking: Masking::Correlated,
+                compensated: false,
+            },
+        });
+        let dull = b.material(Model::Phong {
+            diffuse_reflectance: ColorSource::Constant([0.1; 3]),
+            reflectance: ColorSource::Constant([0.9; 3]),
+            transmittance: ColorSource::Constant([0.8; 3]),
+            diffuse_transmittance: ColorSource::Constant([0.1; 3]),
+            exponent: 20.0,
+            modified: false,
+            ior: 1.3,
+            fresnel: true,
+        });
+        let jade = b.medium([2.0, 1.0, 3.0], [0.8, 0.95, 0.7], HG);
+        let wax = b.medium([1.0, 2.0, 4.0], [0.9; 3], Phase::Rayleigh);
+        b.ball([0.4, -0.1, 0.45], 0.4, ground, jade);
+        b.ball([-0.45, 0.1, 0.45], 0.4, dull, wax);
+    });
+    all.push(("jade in ground glass, Phong wax", d.description, FromLight));
     let mut d = fog_room(Phase::Isotropic, |b, fog| {
         lamp(b);
         let null = b.null();
@@ -256,11 +284,41 @@ pub fn lights() -> Vec<Named> {
                 radiance: [0.4, 0.5, 0.6],
             });
         }),
+        named("a small lamp in fog", &|b| {
+            // Beside the image: seen directly it would be all of the noise.
+            let black = Some(b.diffuse([0.1; 3]));
+            b.sphere([-1.42, 0.2, 0.5], 0.02, black).emission = Some([700.0, 600.0, 500.0]);
+        }),
         named("a lamp half in fog", &|b| {
             let black = Some(b.diffuse([0.1; 3]));
             b.sphere([-0.4, 0.3, 1.6], 0.3, black).emission = Some([4.0; 3]);
         }),
     ]
+}
+
+/// A ball of a medium in a boundary of either kind, exact and as a mesh.
+pub fn spheres_and_meshes() -> Vec<[Description; 2]> {
+    let with = |glass: bool, mesh: bool| {
+        let b = room(|b| {
+            let boundary = if glass { b.glass(1.3) } else { b.null() };
+            let wax = b.medium([1.0, 2.0, 3.0], [0.9, 0.8, 0.5], HG);
+            let (center, radius) = ([0.1, 0.0, 0.7], 0.5);
+            let shape = if mesh {
+                let mesh = Geometry::Mesh(super::scenes::ball(center, radius, 72));
+                b.shape(mesh, Some(boundary))
+            } else {
+                b.sphere(center, radius, Some(boundary))
+            };
+            shape.interior = Some(wax);
+            let white = Some(b.diffuse([0.8; 3]));
+            b.quad([-0.9, -0.9, 1.9], [0.0, 1.8, 0.0], [1.8, 0.0, 0.0], white)
+                .emission = Some([1.0; 3]);
+        });
+        b.description
+    };
+    [false, true]
+        .map(|glass| [with(glass, false), with(glass, true)])
+        .into()
 }
 
 /// Media that emit.

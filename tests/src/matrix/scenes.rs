@@ -24,7 +24,7 @@ pub fn transformed(k: f32, by: V) -> Description {
 }
 
 /// A mesh of a sphere with smooth normals.
-fn ball(center: V, radius: f32, rings: u32) -> Mesh {
+pub(super) fn ball(center: V, radius: f32, rings: u32) -> Mesh {
     let sectors = 2 * rings;
     round(rings, sectors, |i, j| {
         let theta = std::f32::consts::PI * i as f32 / rings as f32;

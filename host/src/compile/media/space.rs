@@ -73,7 +73,7 @@ pub fn find(
     space.arrives(exterior)?;
     let sensor = {
         let at = DVec3::from(d.sensor.origin.map(f64::from));
-        space.rests(at);
+        space.rests("the sensor", at);
         space.stands("the sensor", d.sensor.medium, at, exterior)
     };
     let mut emitters = Vec::new();
@@ -81,6 +81,7 @@ pub fn find(
         emitters.push(match e.kind {
             EmitterKind::Point { position, .. } | EmitterKind::Spot { position, .. } => {
                 let at = DVec3::from(position.map(f64::from));
+                space.rests(&e.name, at);
                 space.stands(&e.name, e.medium, at, exterior)
             }
             _ => None,
@@ -301,25 +302,25 @@ impl Space<'_> {
         }
     }
 
-    /// Warns if the sensor rests on a boundary.
-    fn rests(&mut self, at: DVec3) {
+    /// Warns of what rests on a boundary.
+    fn rests(&mut self, name: &str, at: DVec3) {
         for _ in 0..LINES_PER_POINT {
-            // From a little before the point on, so that what is met there is ahead.
-            let direction = self.direction();
+            // From a little before the point on, so that what is met there is ahead; and past it, as on an edge of triangles nothing is met.
+            let (direction, aside) = (self.direction(), self.direction());
             let back = 16.0 * self.tolerance;
             let line = Line {
-                origin: at - direction * back,
+                origin: at + (aside - direction) * back,
                 direction,
                 tolerance: self.tolerance,
             };
             let crossings = self.tree.crossings(&line).unwrap_or_default();
-            let near = crossings.iter().take_while(|c| c.t <= 2.0 * back);
+            let near = crossings.iter().take_while(|c| c.t <= 4.0 * back);
             let shape = near
                 .filter_map(|c| self.d.shapes.get(c.shape as usize))
                 .find(|s| sides(s).is_some());
             if let Some(shape) = shape {
                 let text = format!(
-                    "the sensor stands in the boundary {}: whether it is inside is anybody's guess; move it off the boundary",
+                    "{name} stands in the boundary {}: whether it is inside is anybody's guess; move it off the boundary",
                     shape.name
                 );
                 self.warnings.push(text);

@@ -6,7 +6,7 @@ use super::Loader;
 use super::document::Document;
 use super::plugin::{Plugin, resolve};
 use super::texture::show;
-use crate::description::{Color, Grid, GridValues, Grids, Lobe, Medium, Phase, Tracking};
+use crate::description::{Color, Grid, GridValues, Grids, Lobe, Medium, Phase, Spectrum, Tracking};
 use crate::load::error::{LoadError, Problem};
 use crate::load::volume as volume_file;
 use glam::{DMat4, DVec3};
@@ -296,34 +296,53 @@ pub fn volume(document: &Document, index: usize) -> Result<Source, LoadError> {
 }
 
 fn homogeneous(plugin: &Plugin) -> Result<Medium, LoadError> {
-    let color = |name: &str, default: f32| -> Result<Color, LoadError> {
-        let volume = match plugin.child(name)? {
-            Some(index) if plugin.document.nodes[index].tag == "volume" => {
-                Plugin::new(plugin.document, index)?
-            }
-            _ => return Ok(plugin.color(name)?.unwrap_or([default; 3])),
-        };
-        if volume.kind != "constvolume" {
-            let what = format!("volume {} as {name} of a homogeneous medium", volume.kind);
-            return Err(volume.unsupported(what, "choose heterogeneous"));
-        }
-        // It is the same everywhere: where its box lies doesn't matter.
-        volume.ignore(&["to_world"])?;
-        let value = volume.color("value")?.unwrap_or([1.0; 3]);
-        volume.finish()?;
-        Ok(value)
-    };
     let scale = scale(plugin)?;
-    let albedo = color("albedo", 0.75)?;
+    let (sigma_t, sigma_ts) = value(plugin, "sigma_t", 1.0)?;
+    let (albedo, albedos) = value(plugin, "albedo", 0.75)?;
+    let (emission, emissions) = value(plugin, "emission", 0.0)?;
+    let mut rows = albedos.iter().flatten();
+    if let Some([_, found]) = rows.find(|[_, albedo]| *albedo > 1.0) {
+        return Err(plugin.invalid("albedo", "at most 1 at every wavelength", found));
+    }
     at_most_one(plugin, albedo)?;
+    let scaled = |rows: Spectrum| rows.into_iter().map(|[nm, s]| [nm, s * scale]).collect();
     let medium = Medium {
-        sigma_t: color("sigma_t", 1.0)?.map(|s| s * scale),
+        sigma_t: sigma_t.map(|s| s * scale),
         albedo,
-        emission: color("emission", 0.0)?,
+        emission,
+        spectra: [sigma_ts.map(scaled), albedos, emissions],
         ..Medium::default()
     };
     absorbs(plugin, &medium)?;
     Ok(medium)
+}
+
+/// What is the same everywhere: a colour, or a spectrum and the colour that it stands for.
+fn value(
+    plugin: &Plugin,
+    name: &str,
+    default: f32,
+) -> Result<(Color, Option<Spectrum>), LoadError> {
+    let read = |plugin: &Plugin, key: &str| match name {
+        "emission" => plugin.light(key),
+        _ => Ok(plugin.number(key)?.unwrap_or(([1.0; 3], None))),
+    };
+    let Some(index) = plugin.child(name)? else {
+        return Ok(([default; 3], None));
+    };
+    if plugin.document.nodes[index].tag != "volume" {
+        return read(plugin, name);
+    }
+    let volume = Plugin::new(plugin.document, index)?;
+    if volume.kind != "constvolume" {
+        let what = format!("volume {} as {name} of a homogeneous medium", volume.kind);
+        return Err(volume.unsupported(what, "choose heterogeneous"));
+    }
+    // It is the same everywhere: where its box lies doesn't matter.
+    volume.ignore(&["to_world"])?;
+    let value = read(&volume, "value")?;
+    volume.finish()?;
+    Ok(value)
 }
 
 fn scale(plugin: &Plugin) -> Result<f32, LoadError> {

@@ -1,7 +1,8 @@
 //! Media, their phase functions and their grids.
 
 use super::rules::{Checked, ensure, finite, optional, span, within, zeros};
-use crate::blob::format::{Grid, Lobe, Medium, NONE, emitter, medium};
+use super::surface::spectrum;
+use crate::blob::format::{Grid, Lobe, Medium, NONE, emitter, medium, table};
 use crate::blob::rule::Rule;
 use crate::blob::scene::Scene;
 
@@ -54,13 +55,49 @@ pub(super) fn medium(scene: &Scene<'_>, index: usize, m: &Medium, reads: &mut u6
     m.phase.iter().try_for_each(lobe)?;
     let sum: f32 = m.phase.iter().map(|l| l.weight).sum();
     within(&[sum], 0.9999, 1.0001, Rule::LobeSum)?;
-    zeros(&m.reserved, Rule::MediumReserved)?;
-    zeros(&m.reserved2, Rule::MediumReserved)?;
+    spectra(scene, m, reads)?;
     if m.kind == medium::GRID {
         gridded_medium(scene, m, reads)
     } else {
         Ok(())
     }
+}
+
+/// Those of a homogeneous medium.
+fn spectra(scene: &Scene<'_>, m: &Medium, reads: &mut u64) -> Checked {
+    let all = [
+        (m.sigma_t_spectrum, EXTINCTION[1]),
+        (m.albedo_spectrum, 1.0),
+        (m.emission_spectrum, MOST_EMISSION),
+    ];
+    let mut any = false;
+    for ([first, rows], most) in all {
+        if rows == 0 {
+            zeros(&[first], Rule::MediumRows)?;
+            continue;
+        }
+        ensure(cfg!(feature = "spectral"), Rule::SpectraLeftOut)?;
+        ensure(m.kind == medium::HOMOGENEOUS, Rule::MediumRows)?;
+        let left = reads.checked_sub(2 * u64::from(rows));
+        *reads = left.ok_or(Rule::MediumBudget)?;
+        spectrum(scene, first, rows, most, Rule::MediumRows)?;
+        any = true;
+    }
+    let values = |[first, rows]: [u32; 2]| {
+        let rows = table(scene.texels, first, rows).iter();
+        rows.map(|&[_, value]| f32::from_bits(value))
+    };
+    let mut sigma_t = values(m.sigma_t_spectrum).chain(m.sigma_t);
+    let mut albedo = values(m.albedo_spectrum).chain(m.albedo);
+    let thick = sigma_t.clone().all(|sigma| extinction(&sigma));
+    ensure(thick, Rule::MediumSigma)?;
+    // Whether it emits is asked of its channels.
+    let emits = m.emission.iter().any(|&e| e > 0.0);
+    let seen = emits || values(m.emission_spectrum).all(|e| e <= 0.0);
+    ensure(seen, Rule::MediumEmission)?;
+    // At a wavelength any two rows, or channels, may meet.
+    let absorbs = sigma_t.all(|sigma| sigma > 0.0) && albedo.all(|albedo| albedo < 1.0);
+    ensure(!any || !emits || absorbs, Rule::MediumAbsorption)
 }
 
 fn lobe(l: &Lobe) -> Checked {

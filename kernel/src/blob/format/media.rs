@@ -58,8 +58,9 @@ pub struct Medium {
     pub cells: [u32; 3],
     /// Its [`VOLUME`][super::emitter::VOLUME] emitter, or [`NONE`][super::NONE].
     pub emitter: u32,
-    /// Zero.
-    pub reserved: [u32; 2],
+    /// homogeneous: `sigma_t` by wavelength: first word in [`TEXELS`][super::section::TEXELS] of rows of two `f32`, nm and value, by rising wavelength,
+    /// and their number; none: what `sigma_t` stands for.
+    pub sigma_t_spectrum: [u32; 2],
     /// Extinction σ_t per channel, in 1 over scene units, ≥ 0.
     pub sigma_t: [f32; 3],
     /// Albedo σ_s/σ_t per channel, in [0, 1].
@@ -73,8 +74,10 @@ pub struct Medium {
     pub phase: [Lobe; 4],
     /// grid: (x, y, z, 1) times these rows gives coordinates in the grids' unit cube. Outside of the cube there is nothing.
     pub to_grid: [[f32; 4]; 3],
-    /// Zero.
-    pub reserved2: [u32; 4],
+    /// homogeneous: `albedo` by wavelength, like `sigma_t_spectrum`.
+    pub albedo_spectrum: [u32; 2],
+    /// homogeneous: `emission` by wavelength, like `sigma_t_spectrum`.
+    pub emission_spectrum: [u32; 2],
 }
 
 /// Values over the unit cube, ≥ 0: texel-centred, x fastest, then y, then z.

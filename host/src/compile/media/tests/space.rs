@@ -140,6 +140,40 @@ fn the_medium_at_camera_and_lights_is_that_of_the_objects_around_them() {
     assert_eq!(found(&d), (vec![NONE, 0, 1, NONE, 0], vec![]));
 }
 
+/// On a face, on an edge of its triangles, on a corner, on a sphere; and not a little off them.
+#[test]
+fn what_stands_in_a_boundary_is_warned_of() {
+    let mut d = nothing();
+    add(
+        &mut d,
+        "fog",
+        cuboid([-2.0; 3], [2.0; 3], 6),
+        [Some(0), None],
+    );
+    add(&mut d, "ball", sphere([0.0; 3], 1.0), [Some(1), Some(0)]);
+    let warned = |d: &Description| {
+        let (_, warnings) = found(d);
+        warnings
+            .iter()
+            .map(|w| w.split(':').next().unwrap().to_owned())
+            .collect::<Vec<_>>()
+    };
+    for (at, on) in [
+        ([2.0, 0.3, 0.7], "fog"),
+        ([0.0, 0.0, -2.0], "fog"),
+        ([2.0; 3], "fog"),
+        ([0.0, 1.0, 0.0], "ball"),
+    ] {
+        d.sensor.origin = at;
+        let text = format!("the sensor stands in the boundary {on}");
+        assert_eq!(warned(&d), [text], "{at:?}");
+        d.sensor.origin = at.map(|x| 1.001 * x);
+        assert_eq!(warned(&d), [""; 0], "{at:?}");
+    }
+    lamp(&mut d, [0.0, 0.0, 2.0], None);
+    assert_eq!(warned(&d), ["lamp stands in the boundary fog"]);
+}
+
 #[test]
 fn opaque_things_without_media_stand_in_any() {
     let mut d = nothing();

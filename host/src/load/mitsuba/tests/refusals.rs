@@ -273,8 +273,12 @@ fn refusals_say_where_what_and_what_instead() {
             "pairs nm:value by rising wavelength",
         ),
         (
-            "<medium type='homogeneous' id='m'><spectrum name='sigma_t' value='400:1, 700:2'/></medium><shape type='cube'><ref name='interior' id='m'/></shape>",
+            "<medium type='heterogeneous' id='m'><spectrum name='sigma_t' value='400:1, 700:2'/></medium><shape type='cube'><ref name='interior' id='m'/></shape>",
             "a list of wavelengths as sigma_t is not supported yet",
+        ),
+        (
+            "<medium type='homogeneous' id='m'><spectrum name='albedo' value='400:1, 700:1.5'/></medium><shape type='cube'><ref name='interior' id='m'/></shape>",
+            "albedo must be at most 1 at every wavelength, found 1.5",
         ),
         (
             "<shape type='cube'><bsdf type='conductor'><spectrum name='eta' value='400:1, 700:2'/></bsdf></shape>",
