@@ -9,6 +9,10 @@
 //! What others reach, one thread. SmallVCM's bpt on scenes 4, 5, 6, by g++ 12, on the core and in the minutes in which `bidirectional` took 3.1, 3.5 and
 //! 3.7 µs, and 3.5, 4.0 and 4.3 with Sobol' points: 4.3, 4.6, 4.7 µs per pair (`-O3`) and 3.7, 3.8, 3.9 (`-O3 -march=native`); n·relMSE 0.26, 1.31, 1.80,
 //! the mean of 8 renders of 32 samples like ours.
+//! Where the time goes on scene 4, by callgrind: 31 000 instructions per pair of walks, of which traversal is 28 %, arithmetic on vectors and colours that
+//! is inlined everywhere 20 %, walks, connections and weights 13 %, surfaces 10 %, film and filter 3 %, random numbers 3 %. No place has more than 8 %: what is
+//! left is fewer rays, or better ones, as Sobol' points make them.
+//!
 //! Of other machines only ratios say something: Mitsuba 3.9 on cornell_diffuse 2.29 (scalar) and 1.31 (llvm) µs per sample.
 
 use etendue::random::Sequence;
