@@ -15,6 +15,7 @@ use etendue::{Estimator, Heuristic, Scene, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::description::Description;
 use etendue_host::scene::{Changes, prepare};
+use etendue_tests::matrix::everything::everything;
 use etendue_tests::matrix::{Complete, Named, media, panes, scenes};
 use etendue_tests::render::{Estimate, blob, double, single};
 use etendue_tests::{noise, samples, some, takes};
@@ -199,6 +200,11 @@ fn grids() {
 #[test]
 fn boundaries_of_media() {
     all_agree(media::boundaries());
+}
+
+#[test]
+fn all_matter_in_one_scene() {
+    all_agree(vec![everything()]);
 }
 
 #[test]

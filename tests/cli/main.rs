@@ -461,6 +461,7 @@ fn inspects_scenes_and_blobs() {
             "SAH",
             "left out",
             "no free flight",
+            "paths carry RGB",
         ] {
             assert!(out.contains(part), "{scene}: no {part:?} in\n{out}");
         }

@@ -1,5 +1,6 @@
 //! The scenes that estimators have to agree on.
 
+pub mod everything;
 pub mod media;
 pub mod panes;
 pub mod scenes;
