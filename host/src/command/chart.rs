@@ -375,8 +375,7 @@ impl Chart {
             if !self.quiet {
                 eprintln!("{name}: {why}");
             }
-            let estimator = why.split(':').next().unwrap_or_default();
-            name = format!("{name} ({estimator})");
+            name = format!("{name} ({})", super::how::name(settings.estimator));
         }
         Ok(Subject {
             name,

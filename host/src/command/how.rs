@@ -122,12 +122,34 @@ fn branching(text: &str) -> Result<Branching, String> {
     Ok(Branching(levels))
 }
 
-/// What the command line calls it.
-fn name(estimator: Estimator) -> &'static str {
-    match estimator {
-        Estimator::Bidirectional => "bidirectional",
-        _ => "path",
+impl EstimatorName {
+    /// The kernel's; `auto` is `path`, unless [`How::choose`] is asked.
+    fn estimator(self) -> Estimator {
+        match self {
+            Self::Auto | Self::Path => Estimator::Path,
+            Self::Light => Estimator::Light,
+            Self::Bidirectional => Estimator::Bidirectional,
+            Self::Metropolis => Estimator::Metropolis,
+            Self::Distributed => Estimator::Distributed,
+            Self::Quadrature => Estimator::Quadrature,
+            Self::QuadratureAndPath => Estimator::QuadratureAndPath,
+        }
     }
+}
+
+/// All estimators, and what the command line calls them.
+pub fn estimators() -> impl Iterator<Item = (Estimator, String)> {
+    let named = EstimatorName::value_variants().iter();
+    named.filter_map(|e| {
+        let name = e.to_possible_value()?.get_name().to_owned();
+        (*e != EstimatorName::Auto).then_some((e.estimator(), name))
+    })
+}
+
+/// What the command line calls it.
+pub fn name(estimator: Estimator) -> String {
+    let found = estimators().find(|(e, _)| *e == estimator);
+    found.map_or_else(String::new, |(_, name)| name)
 }
 
 /// A share.
@@ -186,15 +208,7 @@ impl How {
     /// The kernel's settings; `auto` is `path`, unless [`Self::choose`] is asked. With what the scene's file advises on the length of paths.
     pub fn settings(&self, advised_depth: Option<u32>) -> Settings {
         Settings {
-            estimator: match self.estimator {
-                EstimatorName::Auto | EstimatorName::Path => Estimator::Path,
-                EstimatorName::Light => Estimator::Light,
-                EstimatorName::Bidirectional => Estimator::Bidirectional,
-                EstimatorName::Metropolis => Estimator::Metropolis,
-                EstimatorName::Distributed => Estimator::Distributed,
-                EstimatorName::Quadrature => Estimator::Quadrature,
-                EstimatorName::QuadratureAndPath => Estimator::QuadratureAndPath,
-            },
+            estimator: self.estimator.estimator(),
             heuristic: match self.mis {
                 HeuristicName::Balance => Heuristic::Balance,
                 HeuristicName::Power => Heuristic::Power,

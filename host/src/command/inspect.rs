@@ -1,14 +1,14 @@
 //! `etendue inspect`.
 
+use super::how::estimators;
 use super::reading::Reading;
 use super::{Failure, print, warn};
 use crate::reach::unreachable;
 use crate::scene::prepare;
-use crate::stability::Method;
 use etendue::blob::format::{
     Header, NONE, Toc, WIDTH, child, emitter, material, medium, needs, section, sensor,
 };
-use etendue::{Estimator, Scene, Settings};
+use etendue::{Scene, Settings};
 use std::fmt::{self, Write};
 use std::path::PathBuf;
 
@@ -381,18 +381,17 @@ fn left_out(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
 /// Light paths that estimators can't make; those that make all have no line.
 fn paths(out: &mut String, scene: &Scene<'_>) -> fmt::Result {
     // Estimators that lack the same paths share a line.
-    let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
-    let methods = Method::ALL.map(|(method, name)| (method.settings(None, 0), name));
-    let chains = Settings {
-        estimator: Estimator::Metropolis,
-        ..Settings::default()
-    };
-    for (settings, name) in methods.into_iter().chain([(chains, "metropolis")]) {
+    let mut lines: Vec<(String, Vec<String>)> = Vec::new();
+    for (estimator, name) in estimators() {
+        let settings = Settings {
+            estimator,
+            ..Settings::default()
+        };
         let refused = settings.estimator.refuses(scene).map(str::to_owned);
         for text in refused.into_iter().chain(unreachable(scene, &settings)) {
             match lines.iter_mut().find(|(line, _)| *line == text) {
-                Some((_, names)) => names.push(name),
-                None => lines.push((text, vec![name])),
+                Some((_, names)) => names.push(name.clone()),
+                None => lines.push((text, vec![name.clone()])),
             }
         }
     }
