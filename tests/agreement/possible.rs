@@ -2,7 +2,7 @@
 
 use etendue::random::Sequence;
 use etendue::{Counters, Estimator, Scene, Scratch, Settings};
-use etendue_host::description::EmitterKind;
+use etendue_host::description::{EmitterKind, Phase, Projection};
 use etendue_tests::render::blob;
 use etendue_tests::scenes::Builder;
 
@@ -96,5 +96,27 @@ fn last_rays_need_light_to_meet() {
         // Longer paths have all rays but the last.
         let (_, longer) = render(&lit(false), estimator, Some(3));
         assert!(longer.closest_rays > proved.closest_rays, "{estimator:?}");
+    }
+}
+
+/// A background seen by parallel rays, through nothing and through what absorbs: of all strategies s = 0 alone makes such paths, whose weight is 1 exactly.
+#[test]
+fn parallel_rays_meet_a_background_by_one_strategy() {
+    let mut b = Builder::new().camera([0.0, -3.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0], 50.0, [12, 12]);
+    b.description.sensor.projection = Projection::Orthographic {
+        half_extent: [1.0, 1.0],
+    };
+    let absorber = b.medium([2.0; 3], [0.0; 3], Phase::Isotropic);
+    b.fog([-0.5; 3], [0.5; 3], absorber);
+    b.light(EmitterKind::Constant { radiance: [2.0; 3] });
+    let (bits, _) = render(&b, Estimator::Bidirectional, None);
+    let values: Vec<f32> = bits
+        .chunks(4)
+        .map(|rgb| f32::from_bits(rgb[0] as u32))
+        .collect();
+    let seen = values.iter().filter(|v| **v != 0.0);
+    assert!(seen.clone().count() > 500);
+    for v in seen {
+        assert!((v / 2.0 - 1.0).abs() < 1e-5, "{v} in place of 2");
     }
 }

@@ -8,6 +8,7 @@ mod bake;
 mod panorama;
 mod quadrature;
 mod thin;
+mod touching;
 mod trees;
 
 use etendue::estimate::{Rule, Tree};

@@ -10,11 +10,13 @@
 //! neither their time nor their depth is bounded. Step 1 has a plain substitute, halving at the median.
 
 mod binary;
+mod boxes;
 mod refit;
 mod wide;
 
 use etendue::blob::format::{LANES, MAX_DEPTH, NONE, Node, Packet};
 
+pub(super) use boxes::Boxes;
 pub use refit::{Tree, refit};
 pub use wide::Quality;
 
@@ -87,6 +89,11 @@ impl Bounds {
             bounds.high[axis] = bounds.high[axis].max(other.high[axis]);
         }
         bounds
+    }
+
+    /// Whether they have a point in common.
+    fn meets(&self, other: &Self) -> bool {
+        (0..3).all(|a| self.low[a] <= other.high[a] && other.low[a] <= self.high[a])
     }
 
     /// In double precision, so that huge scenes don't overflow.

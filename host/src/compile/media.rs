@@ -1,5 +1,6 @@
 //! Media: their records, grids with majorants, and the boxes from which those that emit are sampled as lights.
 
+pub(super) mod contact;
 mod grids;
 pub(super) mod lines;
 mod objects;

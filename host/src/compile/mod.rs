@@ -22,7 +22,7 @@ use etendue::blob::format::{
 };
 use geometry::{Flat, size, sphere_area, triangle_area};
 use media::space::{self, Found};
-use media::{Media, lines};
+use media::{Media, contact, lines};
 use std::path::Path;
 use surfaces::Surfaces;
 
@@ -99,6 +99,8 @@ pub fn recompile(d: &Description, tree: &bvh::Tree) -> Result<Compiled, CompileE
 }
 
 fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, CompileError> {
+    let (apart, touching) = contact::set_apart(d);
+    let d = apart.as_ref().unwrap_or(d);
     let mut surfaces = Surfaces::compile(d);
     let mut media =
         Media::compile(d, &mut surfaces.texels).map_err(|(id, reason)| CompileError {
@@ -316,7 +318,7 @@ fn assemble(d: &Description, tree: Option<&bvh::Tree>) -> Result<Compiled, Compi
             depth: built.depth,
         },
         refitted: was_refitted,
-        warnings: [found.warnings, doubts::doubts(d)].concat(),
+        warnings: [touching, found.warnings, doubts::doubts(d)].concat(),
     })
 }
 

@@ -220,7 +220,12 @@ impl<S: Spectrum> Walk<S> {
             }
             Meeting::Escaped => {
                 let (forward, back) = (self.pdf * self.expected, self.facing * self.expected);
-                Arrival::Escaped(self.extend(mis, forward, back))
+                let mut terms = self.extend(mis, forward, back);
+                // A light walk can't show a background to parallel rays: t = 1 doesn't exist.
+                if self.parallel {
+                    terms.a = 0.0;
+                }
+                Arrival::Escaped(terms)
             }
             Meeting::Cut => Arrival::Cut,
         }

@@ -69,7 +69,6 @@ pub fn find(
     let lines = space.lines();
     let exterior = space.exterior(&lines);
     space.agree(&lines, exterior)?;
-    space.touch(&lines);
     space.arrives(exterior)?;
     let sensor = {
         let at = DVec3::from(d.sensor.origin.map(f64::from));
@@ -276,30 +275,6 @@ impl Space<'_> {
             }
         }
         Ok(())
-    }
-
-    /// Warns of boundaries of two objects in one place: the kernel meets one of them.
-    fn touch(&mut self, lines: &[Vec<Crossing>]) {
-        let parts = |c: &Crossing| {
-            self.d
-                .shapes
-                .get(c.shape as usize)
-                .filter(|s| sides(s).is_some())
-        };
-        let pairs = lines.iter().flat_map(|line| line.windows(2));
-        let found = pairs.filter_map(|w| match w {
-            [a, b] if a.shape != b.shape && b.t - a.t <= a.slack + b.slack => {
-                Some((parts(a)?, parts(b)?))
-            }
-            _ => None,
-        });
-        if let Some((a, b)) = found.into_iter().next() {
-            let text = format!(
-                "{} and {} part media in one place: a ray meets one of the two boundaries, and may go on in the wrong medium; give the one that is to be met both media, or leave a gap",
-                a.name, b.name
-            );
-            self.warnings.push(text);
-        }
     }
 
     /// Warns of what rests on a boundary.
