@@ -1,7 +1,8 @@
 //! Programs in C and C++ over the freestanding library: strictly compiled, run, run under valgrind and sanitizers.
 
 use crate::tools::{cargo, have, run, target, text};
-use etendue::estimate::Chain;
+use etendue::estimate::{Chain, Pilot};
+use etendue::random::Sequence;
 use etendue::real::Vec3;
 use etendue::{Estimator, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
@@ -232,6 +233,57 @@ fn chains_give_the_kernels_bits() {
         let out = folder.join("chains.pfm");
         run(way.arg(&file).arg(&out));
         assert!(std::fs::read(&out).unwrap() == expected, "{way:?}");
+    }
+}
+
+/// The same numbers as the kernel's own pilot, digit by digit. That they predict efficiency is `cargo bench --bench choices`' business.
+#[test]
+fn pilots_give_the_kernels_numbers() {
+    if !have("gcc") {
+        return;
+    }
+    let folder = target("choose");
+    let (file, blob) = cornell(&folder, 32);
+    let scene = Scene::open(blob.bytes()).unwrap();
+    let mut scratch = Scratch::<32>::new();
+    let mut lines = Vec::new();
+    let mut best = (f64::INFINITY, "");
+    for (estimator, name) in [
+        (Estimator::Path, "path"),
+        (Estimator::Light, "light"),
+        (Estimator::Bidirectional, "bidirectional"),
+    ] {
+        let settings = Settings {
+            estimator,
+            sequence: Sequence::Sobol,
+            ..Settings::default()
+        };
+        let mut pilot = Pilot::default();
+        for i in 0..1 << 11 {
+            scene.pilot(&settings, i, &mut scratch.view(&scene), &mut pilot);
+        }
+        assert!(pilot.bright && pilot.samples == 1 << 12, "{pilot:?}");
+        // As C writes it: two digits of the exponent at least.
+        let number = |x: f64| {
+            let text = format!("{x:.9e}");
+            let (digits, exponent) = text.split_once('e').unwrap();
+            format!("{digits}e{:+03}", exponent.parse::<i32>().unwrap())
+        };
+        let (mse, cost) = (pilot.mse(), pilot.cost());
+        lines.push(format!(
+            "{name}: error {} at {} rays a sample\n",
+            number(mse),
+            number(cost)
+        ));
+        best = if mse * cost < best.0 {
+            (mse * cost, name)
+        } else {
+            best
+        };
+    }
+    lines.push(format!("{}\n", best.1));
+    for mut way in ways(&["gcc", "-std=c11"], &example("choose.c"), &folder, &[]) {
+        assert_eq!(text(&run(way.arg(&file))), lines.concat(), "{way:?}");
     }
 }
 

@@ -21,7 +21,7 @@ fn check(file: &Path, made: &str) {
 fn the_kernels_header_is_that_of_the_sources() {
     let kernel = root().join("kernel");
     let files = [
-        "status", "hooks", "scene", "settings", "scratch", "estimate", "chain", "film",
+        "status", "hooks", "scene", "settings", "scratch", "estimate", "pilot", "chain", "film",
     ]
     .map(|name| kernel.join(format!("src/capi/{name}.rs")));
     let made = header(&kernel.join("capi/cbindgen.toml"), &files);

@@ -92,7 +92,7 @@ impl Call<'_> {
 
     /// One sample, by the scene's own tracer or the caller's.
     #[inline(never)]
-    fn sample(&mut self, element: &Element, id: u64, index: u64, sink: &mut Sink<'_>) -> Rgb {
+    pub fn sample(&mut self, element: &Element, id: u64, index: u64, sink: &mut Sink<'_>) -> Rgb {
         let Self {
             scene,
             settings,
@@ -179,9 +179,12 @@ impl Call<'_> {
 }
 
 /// Where splats go.
-enum Sink<'f> {
+pub(super) enum Sink<'f> {
     /// The element reports none.
     None,
+    /// To the sum of their squares.
+    #[cfg(feature = "pilot")]
+    Squares(f64),
     /// To the caller.
     Hook(EtdHooks),
     /// To a film of the whole image.
@@ -196,6 +199,8 @@ impl Sink<'_> {
     fn take(&mut self, pixel: [u32; 2], value: Rgb) {
         match self {
             Sink::None => (),
+            #[cfg(feature = "pilot")]
+            Sink::Squares(sum) => *sum += crate::estimate::pilot::square(value),
             Sink::Hook(hooks) => hooks.splat(pixel, value.to_array()),
             Sink::Film { film, sums, width } => film.add(sums, *width, pixel, value),
         }
@@ -204,7 +209,7 @@ impl Sink<'_> {
 
 /// How a film adds, and what it had to refuse.
 #[derive(Clone, Copy)]
-struct Film {
+pub(super) struct Film {
     step: Step,
     refused: Refused,
 }

@@ -4,7 +4,7 @@
 //! [`status`] numbers what can go wrong; `arguments` turns pointers into references or a status;
 //! `control` holds the floating-point control word; [`hooks`] holds the caller's functions, of which `foreign` makes a
 //! [`crate::shape::Tracer`] and a [`crate::random::Sampler`]; [`scene`], [`settings`], [`scratch`], [`estimate`],
-//! `chain`, [`film`] are the functions.
+//! `chain`, `pilot`, [`film`] are the functions.
 //!
 //! No function allocates, keeps a pointer beyond the call (a scene keeps its blob), or unwinds: the kernel
 //! has no panic to unwind with. What may be shared by threads is said at each type.
@@ -22,6 +22,8 @@ pub mod film;
 #[cfg(feature = "capi")]
 mod foreign;
 pub mod hooks;
+#[cfg(feature = "pilot")]
+pub mod pilot;
 pub mod scene;
 pub mod scratch;
 pub mod settings;
@@ -40,3 +42,5 @@ const _: () = assert!(
         && size_of::<scene::EtdSceneInfo>() == 64
         && size_of::<hooks::EtdHooks>() == 8 + 6 * size_of::<usize>()
 );
+#[cfg(feature = "pilot")]
+const _: () = assert!(size_of::<pilot::EtdPilot>() == 32);

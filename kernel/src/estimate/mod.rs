@@ -14,6 +14,8 @@ mod light;
 mod metropolis;
 mod patch;
 mod path;
+#[cfg(feature = "pilot")]
+pub(crate) mod pilot;
 mod plan;
 #[cfg(feature = "quadrature")]
 mod quadrature;
@@ -24,6 +26,8 @@ mod share;
 
 #[cfg(feature = "metropolis")]
 pub use metropolis::{Chain, Mutations};
+#[cfg(feature = "pilot")]
+pub use pilot::Pilot;
 pub use plan::{LEVELS, Rule, Tree};
 use scratch::{Light, Workspace};
 pub use scratch::{Scratch, ScratchView};

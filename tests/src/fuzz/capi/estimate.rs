@@ -9,6 +9,7 @@ use arbitrary::{Arbitrary, Result};
 use etendue::capi::estimate::*;
 use etendue::capi::film::*;
 use etendue::capi::hooks::EtdHooks;
+use etendue::capi::pilot::*;
 use etendue::capi::scene::EtdScene;
 use etendue::capi::scratch::EtdScratch;
 use etendue::capi::settings::*;
@@ -142,6 +143,45 @@ impl Program<'_> {
             )
         });
         self.light_in(&rgb, 3, status);
+        self.told(&c.recorder);
+        Ok(())
+    }
+
+    /// What an estimator is worth.
+    pub fn pilot(&mut self) -> Result<()> {
+        let c = self.common(false)?;
+        let s = &mut self.s;
+        let sum = EtdPilot {
+            struct_size: 0,
+            bright: u32::arbitrary(&mut s.bytes)?,
+            squared_error: f64::arbitrary(&mut s.bytes)?,
+            samples: u64::arbitrary(&mut s.bytes)?,
+            rays: u64::arbitrary(&mut s.bytes)?,
+        };
+        let sum = Struct::new(s, sum)?;
+        let first = u64::arbitrary(&mut s.bytes)?;
+        let count = s.below(5)? as u32;
+        // SAFETY: handles of this program, structs of the stated size, hooks that keep to their contract.
+        let status = self.call("pilot", c.good() && sum.good, || unsafe {
+            etd_pilot(
+                c.scene.at,
+                c.settings.at,
+                c.hooks.at,
+                c.scratch.at,
+                first,
+                count,
+                sum.at,
+            )
+        });
+        let p = sum.get();
+        if status == ETD_OK {
+            assert!(p.bright <= 1);
+        }
+        self.wrote(bytemuck::cast_slice(&[
+            p.squared_error.to_bits(),
+            p.samples,
+            p.rays,
+        ]));
         self.told(&c.recorder);
         Ok(())
     }
