@@ -2,7 +2,9 @@
 //!
 //! `ETENDUE_BLESS=1 cargo test --release -p etendue-tests --test embed bits` writes blobs and hashes anew.
 
+use etendue::estimate::{Rule, Tree};
 use etendue::film::{Refused, Step, Sum};
+use etendue::random::Sequence;
 use etendue::real::Vec3;
 use etendue::shape::IsaKind;
 use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
@@ -23,31 +25,61 @@ pub fn expected() -> String {
     std::fs::read_to_string(data("bits.txt")).unwrap_or_default()
 }
 
-const SUITE: [(&str, Estimator, Heuristic); 7] = [
-    ("path balance", Estimator::Path, Heuristic::Balance),
-    ("path maximum", Estimator::Path, Heuristic::Maximum),
-    ("light power", Estimator::Light, Heuristic::Power),
-    (
-        "bidirectional balance",
-        Estimator::Bidirectional,
-        Heuristic::Balance,
-    ),
-    (
-        "bidirectional power",
-        Estimator::Bidirectional,
-        Heuristic::Power,
-    ),
-    (
-        "bidirectional cutoff",
-        Estimator::Bidirectional,
-        Heuristic::Cutoff,
-    ),
-    (
-        "bidirectional maximum",
-        Estimator::Bidirectional,
-        Heuristic::Maximum,
-    ),
-];
+/// What is rendered, as the lines say it. The second half of a name says which strategies, or which numbers.
+const SUITE: [(&str, Estimator, Heuristic, Sequence); 12] = {
+    use {Estimator as E, Heuristic as H, Sequence::*};
+    [
+        ("path balance", E::Path, H::Balance, Independent),
+        ("path maximum", E::Path, H::Maximum, Independent),
+        ("path sobol", E::Path, H::Power, Sobol),
+        ("light power", E::Light, H::Power, Independent),
+        (
+            "bidirectional balance",
+            E::Bidirectional,
+            H::Balance,
+            Independent,
+        ),
+        (
+            "bidirectional power",
+            E::Bidirectional,
+            H::Power,
+            Independent,
+        ),
+        (
+            "bidirectional cutoff",
+            E::Bidirectional,
+            H::Cutoff,
+            Independent,
+        ),
+        (
+            "bidirectional maximum",
+            E::Bidirectional,
+            H::Maximum,
+            Independent,
+        ),
+        ("bidirectional sobol", E::Bidirectional, H::Power, Sobol),
+        ("distributed power", E::Distributed, H::Power, Independent),
+        ("quadrature power", E::Quadrature, H::Power, Independent),
+        (
+            "quadrature+path power",
+            E::QuadratureAndPath,
+            H::Power,
+            Independent,
+        ),
+    ]
+};
+
+/// Ray trees and rules that a microcontroller has the time for.
+const TREE: Tree = Tree {
+    branching: [2, 2, 1, 0, 0, 0, 0, 0],
+    lights: 2,
+};
+const RULE: Rule = Rule {
+    order: 2,
+    steps: 4,
+    depth: 8,
+    shift: false,
+};
 
 const PASSES: u64 = 2;
 
@@ -91,11 +123,18 @@ fn lines(isa: IsaKind) -> String {
     for (name, _) in scenes() {
         let bytes = AlignedBlob::read(&data(&format!("bits/{name}.etd"))).unwrap();
         let scene = Scene::open(bytes.bytes()).unwrap().with_isa(isa);
-        for (what, estimator, heuristic) in SUITE {
+        for (what, estimator, heuristic, sequence) in SUITE {
+            // Lights that quadrature makes nothing of.
+            if estimator.refuses(&scene).is_some() {
+                continue;
+            }
             let settings = Settings {
                 estimator,
                 heuristic,
+                sequence,
                 seed: 3,
+                tree: TREE,
+                rule: RULE,
                 ..Settings::default()
             };
             let scratch = &mut Scratch::<8>::new();

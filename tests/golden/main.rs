@@ -5,13 +5,13 @@
 
 use etendue::blob::format::needs;
 use etendue::film::{Refused, Step, Sum};
-use etendue::random::{Pcg, Purpose, Sampler};
+use etendue::random::{Pcg, Purpose, Sampler, Sequence};
 use etendue::shape::IsaKind;
 use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
 use etendue_host::render::{Budget, Crew, Device, Options, render, render_double};
 use etendue_host::scene::{Changes, prepare};
-use etendue_tests::bits::hash;
+use etendue_tests::bits::{self, hash};
 use etendue_tests::render::blob;
 use etendue_tests::scenes::room;
 use std::collections::BTreeMap;
@@ -44,29 +44,34 @@ fn scenes() -> Vec<(&'static str, AlignedBlob)> {
             radiance: [0.1, 0.2, 0.3],
         });
     });
+    let all = bits::scenes();
+    let (_, fog) = all.iter().find(|(name, _)| *name == "fog").unwrap();
     vec![
         ("cornell_diffuse", file("cornell_diffuse")),
         ("cornell_spheres", file("cornell_spheres")),
         ("room", blob(&furnished.description)),
+        // Every phase function, grids by every way of tracking, what glows.
+        ("fog", blob(fog)),
     ]
 }
 
-const ESTIMATORS: [(Estimator, Heuristic); 6] = [
-    (Estimator::Path, Heuristic::Power),
-    (Estimator::Light, Heuristic::Power),
-    (Estimator::Bidirectional, Heuristic::Power),
-    (Estimator::Bidirectional, Heuristic::Maximum),
-    (Estimator::Distributed, Heuristic::Power),
-    (Estimator::QuadratureAndPath, Heuristic::Power),
-];
+const ESTIMATORS: [(Estimator, Heuristic, Sequence); 10] = {
+    use {Estimator as E, Heuristic as H, Sequence::*};
+    [
+        (E::Path, H::Power, Independent),
+        (E::Path, H::Power, Sobol),
+        (E::Light, H::Power, Independent),
+        (E::Bidirectional, H::Power, Independent),
+        (E::Bidirectional, H::Power, Sobol),
+        (E::Bidirectional, H::Maximum, Independent),
+        (E::Distributed, H::Power, Independent),
+        (E::QuadratureAndPath, H::Power, Independent),
+        (E::QuadratureAndPath, H::Power, Sobol),
+        (E::Metropolis, H::Power, Independent),
+    ]
+};
 
-fn image(scene: &Scene<'_>, estimator: Estimator, heuristic: Heuristic, threads: usize) -> String {
-    let settings = Settings {
-        estimator,
-        heuristic,
-        seed: 3,
-        ..Settings::default()
-    };
+fn image(scene: &Scene<'_>, settings: Settings, threads: usize) -> String {
     let options = Options {
         settings,
         budget: Budget::Passes(4),
@@ -81,16 +86,22 @@ fn image(scene: &Scene<'_>, estimator: Estimator, heuristic: Heuristic, threads:
 fn hashes_are_what_they_were_on_every_instruction_set_and_thread_count() {
     let mut found = BTreeMap::new();
     for (name, bytes) in scenes() {
-        for (estimator, heuristic) in ESTIMATORS {
-            let of = |isa, threads| {
-                image(
-                    &Scene::open(bytes.bytes()).unwrap().with_isa(isa),
-                    estimator,
-                    heuristic,
-                    threads,
-                )
+        for (estimator, heuristic, sequence) in ESTIMATORS {
+            let settings = Settings {
+                estimator,
+                heuristic,
+                sequence,
+                seed: 3,
+                ..Settings::default()
             };
-            let what = format!("{name} {estimator:?} {heuristic:?}");
+            let of = |isa, threads| {
+                let scene = Scene::open(bytes.bytes()).unwrap().with_isa(isa);
+                image(&scene, settings, threads)
+            };
+            let mut what = format!("{name} {estimator:?} {heuristic:?}");
+            if sequence != Sequence::Independent {
+                what += &format!(" {sequence:?}");
+            }
             let first = of(IsaKind::Scalar, 1);
             for (isa, threads) in [
                 (IsaKind::Sse2, 1),
@@ -119,7 +130,7 @@ fn hashes_are_what_they_were_on_every_instruction_set_and_thread_count() {
 /// Samples may be taken in any order.
 #[test]
 fn the_order_of_samples_does_not_matter() {
-    let (_, bytes) = scenes().pop().unwrap();
+    let (_, bytes) = scenes().swap_remove(2);
     let scene = Scene::open(bytes.bytes()).unwrap();
     let settings = Settings {
         estimator: Estimator::Bidirectional,
@@ -153,13 +164,14 @@ fn exercise(bytes: &[u8]) -> bool {
     };
     let [w, h] = scene.size();
     let mut scratch = Scratch::<8>::new();
-    for (estimator, heuristic) in ESTIMATORS {
+    for (estimator, heuristic, sequence) in ESTIMATORS {
         for isa in [IsaKind::Scalar, IsaKind::Avx2] {
             let scene = scene.with_isa(isa);
             for i in 0..4u32 {
                 let settings = Settings {
                     estimator,
                     heuristic,
+                    sequence,
                     max_edges: Some(20),
                     ..Settings::default()
                 };

@@ -1,6 +1,8 @@
 //! What the kernel uses: no memory but the caller's, a bounded number of steps.
 
+use etendue::estimate::Chain;
 use etendue::path::MAX_STEPS;
+use etendue::random::Sequence;
 use etendue::real::Vec3;
 use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
@@ -41,14 +43,19 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-const ESTIMATORS: [Estimator; 6] = [
-    Estimator::Path,
-    Estimator::Light,
-    Estimator::Bidirectional,
-    Estimator::Distributed,
-    Estimator::Quadrature,
-    Estimator::QuadratureAndPath,
-];
+const ESTIMATORS: [(Estimator, Sequence); 8] = {
+    use {Estimator as E, Sequence::*};
+    [
+        (E::Path, Independent),
+        (E::Path, Sobol),
+        (E::Light, Independent),
+        (E::Bidirectional, Independent),
+        (E::Bidirectional, Sobol),
+        (E::Distributed, Independent),
+        (E::Quadrature, Independent),
+        (E::QuadratureAndPath, Independent),
+    ]
+};
 const HEURISTICS: [Heuristic; 4] = [
     Heuristic::Balance,
     Heuristic::Power,
@@ -63,16 +70,35 @@ fn allocations(f: impl FnOnce()) -> u64 {
     ALLOCATIONS.with(Cell::get) - before
 }
 
+/// Chains from the first samples that carry light.
+fn chains<const N: usize>(scene: &Scene<'_>, scratch: &mut Scratch<N>) -> f32 {
+    let settings = Settings {
+        estimator: Estimator::Metropolis,
+        ..Settings::default()
+    };
+    let view = &mut scratch.view(scene);
+    let mut chain = Chain::<16>::new();
+    let mut sum = 0.0;
+    for sample in 0..50 {
+        if scene.bootstrap(&settings, sample, view) > 0.0 {
+            chain.start(scene, &settings, sample, sample, view);
+            chain.advance(scene, &settings, 1.0, 20, view, &mut |_, v| sum += v.g);
+        }
+    }
+    sum
+}
+
 fn everything<const N: usize>(bytes: &[u8], scratch: &mut Scratch<N>) -> f32 {
     let scene = Scene::open(bytes).unwrap();
     let [w, h] = scene.size();
     let center = Vec3::from(scene.world().center);
-    let mut sum = 0.0;
-    for estimator in ESTIMATORS {
+    let mut sum = chains(&scene, scratch);
+    for (estimator, sequence) in ESTIMATORS {
         for heuristic in HEURISTICS {
             let settings = Settings {
                 estimator,
                 heuristic,
+                sequence,
                 ..Settings::default()
             };
             for i in 0..w * h {

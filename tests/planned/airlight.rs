@@ -153,3 +153,47 @@ fn shifted_steps_are_unbiased() {
         );
     }
 }
+
+/// Ray trees of one level, by flights: what is sent back per flight is as 1/d² at most, which has a variance where the line of sight doesn't come close
+/// to the light. P(|z| > 5) = 6e-7, six times.
+#[test]
+fn ray_trees_meet_the_values() {
+    let records = DATA["airlight"].as_array().unwrap();
+    let mut seen = 0;
+    for o in records.iter().filter(|o| number(o, "light") >= 0.3) {
+        let scattered = number(o, "sigma_t") * number(o, "albedo");
+        if scattered < 1e-3 {
+            // No flight of thousands ends in so thin a fog.
+            continue;
+        }
+        seen += 1;
+        let bytes = scene(o);
+        let scene = etendue::Scene::open(bytes.bytes()).unwrap();
+        let settings = etendue::Settings {
+            estimator: etendue::Estimator::Distributed,
+            tree: etendue::estimate::Tree {
+                branching: [1, 0, 0, 0, 0, 0, 0, 0],
+                lights: 1,
+            },
+            ..etendue::Settings::default()
+        };
+        let mut scratch = etendue::Scratch::<8>::new();
+        let eye = Vec3::new(number(o, "eye") as f32, 0.0, 0.0);
+        let samples: Vec<f64> = (0..200_000)
+            .map(|i| {
+                let l = scene.radiance(&settings, eye, Vec3::X, 1, i, &mut scratch);
+                f64::from(l.g)
+            })
+            .collect();
+        let e = etendue_tests::render::Estimate::of(&samples);
+        let truth = number(o, "value");
+        let off = (e.mean - truth).abs();
+        println!("{}: {e:?} for {truth}", o["id"]);
+        assert!(
+            off < 5.0 * e.error + 1e-5 * truth && e.error < 0.03 * truth,
+            "{}: {e:?} for {truth}",
+            o["id"]
+        );
+    }
+    assert!(seen >= 4, "{seen}");
+}

@@ -6,7 +6,9 @@
 mod airlight;
 mod bake;
 mod panorama;
+mod patches;
 mod quadrature;
+mod steps;
 mod thin;
 mod touching;
 mod trees;

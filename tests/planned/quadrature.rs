@@ -26,6 +26,7 @@ fn in_media_as_well() {
         media::boundaries(),
         media::lights(),
         media::flames(),
+        media::sensors(),
     ];
     for (name, d, _) in all.iter().flatten() {
         assert_agree(name, &path(d, None), &estimates(d, settings, 16), 0.0);

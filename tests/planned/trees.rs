@@ -19,9 +19,11 @@ fn in_media_as_well() {
     let settings = tree([3, 2, 1, 0, 0, 0, 0, 0], 2);
     let all = [
         media::fogs(),
+        media::grids(),
         media::boundaries(),
         media::lights(),
         media::flames(),
+        media::sensors(),
     ];
     // Next to a point in fog light goes as 1/d⁴ along a ray: only equiangular sampling has a variance there.
     let tame = |(name, ..): &&(&str, _, _)| *name != "a point in fog";

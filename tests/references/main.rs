@@ -72,7 +72,8 @@ fn check(case: &Case<'_>) {
         Changes::default(),
     );
     let prepared = match prepared {
-        Err(e) if e.contains("not supported yet") => {
+        // Other people's scenes may have what there is not yet: ours may not.
+        Err(e) if case.folder != data() && e.contains("not supported yet") => {
             println!("skipped: {e}");
             return;
         }

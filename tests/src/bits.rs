@@ -353,6 +353,30 @@ fn prism() -> Description {
     scene.description
 }
 
+/// Seen all round from within a mist, across the seam and the poles; it has no light that quadrature makes nothing of.
+fn round() -> Description {
+    let scene = room(|b| {
+        let phase = Phase::HenyeyGreenstein { g: 0.5 };
+        let mist = b.medium([0.3, 0.2, 0.4], [0.9, 0.8, 0.7], phase);
+        b.fog([-0.9, -0.9, 0.1], [0.9, 0.9, 1.9], mist);
+        let glass = b.glass(1.5);
+        let water = b.medium([0.5, 0.2, 0.1], [0.2; 3], Phase::Rayleigh);
+        b.ball([-0.4, 0.3, 0.5], 0.3, glass, water).exterior = Some(mist);
+        b.light(EmitterKind::Point {
+            position: [0.5, -0.4, 1.4],
+            intensity: [0.5, 0.4, 0.6],
+        });
+        b.description.emitters[0].medium = Some(mist);
+        let sensor = &mut b.description.sensor;
+        sensor.projection = Projection::Panorama;
+        sensor.origin = [0.2, -0.1, 0.9];
+        sensor.medium = Some(mist);
+        sensor.filter = Filter::Tent { radius: 1.5 };
+        sensor.resolution = SIZE;
+    });
+    scene.description
+}
+
 /// A few things in the open: lat-long sky, sun, thin lens, Gaussian filter, coarse smooth normals.
 fn open_air() -> Description {
     let mut b = Builder::new().camera(
@@ -448,12 +472,13 @@ fn furnish(b: &mut Builder) {
 }
 
 /// All of them, by name.
-pub fn scenes() -> [(&'static str, Description); 6] {
+pub fn scenes() -> [(&'static str, Description); 7] {
     [
         ("matter", matter()),
         ("gloss", gloss()),
         ("fog", fog()),
         ("prism", prism()),
+        ("round", round()),
         ("open_air", open_air()),
         ("plan", plan()),
     ]

@@ -10,6 +10,8 @@ mod single {
     use etendue as kernel;
 
     mod adjoint;
+    mod blend;
+    mod compiled;
     mod density;
     mod dirac;
     mod energy;
@@ -27,6 +29,8 @@ mod double {
     use etendue_f64 as kernel;
 
     mod adjoint;
+    mod blend;
+    mod compiled;
     mod density;
     mod dirac;
     mod energy;

@@ -10,6 +10,7 @@ mod single {
     mod extremes;
     mod flight;
     mod grid;
+    mod majorants;
     mod phase;
     mod ways;
 }
@@ -21,6 +22,7 @@ mod double {
     mod extremes;
     mod flight;
     mod grid;
+    mod majorants;
     mod phase;
     mod ways;
 }

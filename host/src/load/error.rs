@@ -109,6 +109,16 @@ impl LoadError {
         Self::new(&file_place(path, 0), "", problem)
     }
 
+    /// The same of a file that `subject` names at `place`: `scene.xml:12: gridvolume: smoke.vol: …`.
+    pub fn named(self, place: &Place, subject: &str) -> Self {
+        let file = format!("{}{}", at(&self.place), about(&self.subject));
+        Self {
+            place: place.clone(),
+            subject: format!("{subject}: {file}"),
+            problem: self.problem,
+        }
+    }
+
     /// A file whose bytes aren't what its format asks for.
     pub fn malformed(path: &Path, line: u32, reason: impl Into<String>) -> Self {
         Self::new(

@@ -10,6 +10,7 @@ INCLUDE_BLOB(matter, BLOBS "/matter.etd");
 INCLUDE_BLOB(gloss, BLOBS "/gloss.etd");
 INCLUDE_BLOB(fog, BLOBS "/fog.etd");
 INCLUDE_BLOB(prism, BLOBS "/prism.etd");
+INCLUDE_BLOB(round, BLOBS "/round.etd");
 INCLUDE_BLOB(open_air, BLOBS "/open_air.etd");
 INCLUDE_BLOB(plan, BLOBS "/plan.etd");
 INCLUDE_BLOB(cornell, CORNELL);
@@ -100,17 +101,31 @@ static int probe(const EtdSettings *settings, float values[48])
     return ok;
 }
 
+/* Whether this estimator can answer for the scene at all. */
+static int supported(const EtdSettings *settings)
+{
+    static const float up[3] = {0, 0, 1};
+    float value[3];
+    EtdSamples one = {sizeof one, 1, 0, 0};
+    return etd_estimate_rays(scene, settings, NULL, scratch, up, up, 1, &one, value) != ETD_E_UNSUPPORTED;
+}
+
 static const struct {
     const char *name;
-    uint32_t estimator, heuristic;
+    uint32_t estimator, heuristic, sequence;
 } suite[] = {
-    {" path balance", ETD_PATH, ETD_BALANCE},
-    {" path maximum", ETD_PATH, ETD_MAXIMUM},
-    {" light power", ETD_LIGHT, ETD_POWER},
-    {" bidirectional balance", ETD_BIDIRECTIONAL, ETD_BALANCE},
-    {" bidirectional power", ETD_BIDIRECTIONAL, ETD_POWER},
-    {" bidirectional cutoff", ETD_BIDIRECTIONAL, ETD_CUTOFF},
-    {" bidirectional maximum", ETD_BIDIRECTIONAL, ETD_MAXIMUM},
+    {" path balance", ETD_PATH, ETD_BALANCE, ETD_INDEPENDENT},
+    {" path maximum", ETD_PATH, ETD_MAXIMUM, ETD_INDEPENDENT},
+    {" path sobol", ETD_PATH, ETD_POWER, ETD_SOBOL},
+    {" light power", ETD_LIGHT, ETD_POWER, ETD_INDEPENDENT},
+    {" bidirectional balance", ETD_BIDIRECTIONAL, ETD_BALANCE, ETD_INDEPENDENT},
+    {" bidirectional power", ETD_BIDIRECTIONAL, ETD_POWER, ETD_INDEPENDENT},
+    {" bidirectional cutoff", ETD_BIDIRECTIONAL, ETD_CUTOFF, ETD_INDEPENDENT},
+    {" bidirectional maximum", ETD_BIDIRECTIONAL, ETD_MAXIMUM, ETD_INDEPENDENT},
+    {" bidirectional sobol", ETD_BIDIRECTIONAL, ETD_POWER, ETD_SOBOL},
+    {" distributed power", ETD_DISTRIBUTED, ETD_POWER, ETD_INDEPENDENT},
+    {" quadrature power", ETD_QUADRATURE, ETD_POWER, ETD_INDEPENDENT},
+    {" quadrature+path power", ETD_QUADRATURE_AND_PATH, ETD_POWER, ETD_INDEPENDENT},
 };
 
 static int run_suite(const char *name, const unsigned char *blob, const unsigned char *end)
@@ -124,7 +139,19 @@ static int run_suite(const char *name, const unsigned char *blob, const unsigned
         etd_settings_default(&settings);
         settings.estimator = suite[i].estimator;
         settings.heuristic = suite[i].heuristic;
+        settings.sequence = suite[i].sequence;
         settings.seed = 3;
+        /* Small trees, coarse rules: there are microcontrollers among the targets. */
+        for (size_t level = 0; level < sizeof settings.branching; level++) {
+            settings.branching[level] = level < 2 ? 2 : level < 3 ? 1 : 0;
+        }
+        settings.light_samples = 2;
+        settings.quadrature = 2;
+        settings.steps = 4;
+        /* Lights that quadrature makes nothing of. */
+        if (!supported(&settings)) {
+            continue;
+        }
         size_t pixels = render(&settings, 2);
         if (pixels == 0 || !probe(&settings, values)) {
             return 0;
@@ -176,6 +203,7 @@ int run(void)
         return 1;
     }
     int ok = run_suite("matter", matter, matter_end) && run_suite("gloss", gloss, gloss_end) && run_suite("fog", fog, fog_end) &&
-             run_suite("prism", prism, prism_end) && run_suite("open_air", open_air, open_air_end) && run_suite("plan", plan, plan_end) && picture();
+             run_suite("prism", prism, prism_end) && run_suite("round", round, round_end) && run_suite("open_air", open_air, open_air_end) &&
+             run_suite("plan", plan, plan_end) && picture();
     return ok ? 0 : 1;
 }

@@ -201,6 +201,45 @@ pub fn boundaries() -> Vec<Named> {
         b.ball([-0.45, 0.1, 0.45], 0.4, dull, wax);
     });
     all.push(("jade in ground glass, Phong wax", d.description, FromLight));
+    let d = room(|b| {
+        lamp(b);
+        let part = |phase, weight| Lobe { phase, weight };
+        let phases = [
+            vec![Phase::Isotropic.into()],
+            vec![
+                part(Phase::Rayleigh, 1.0),
+                part(HG, 1.0),
+                part(Phase::HenyeyGreenstein { g: -0.3 }, 1.0),
+                part(Phase::Forward, 0.5),
+            ],
+        ];
+        for (x, phase) in [0.42, -0.45].into_iter().zip(phases) {
+            let ground = b.material(Model::RoughDielectric {
+                ior: 1.3,
+                reflectance: ColorSource::Constant([1.0; 3]),
+                transmittance: ColorSource::Constant([1.0; 3]),
+                facets: Facets {
+                    alpha: [0.5; 2],
+                    distribution: Distribution::Beckmann,
+                    masking: Masking::Separable,
+                    compensated: false,
+                },
+            });
+            let wax = b.matter(Medium {
+                sigma_t: [0.5, 2.0, 5.0],
+                albedo: [0.95, 0.9, 0.8],
+                phase,
+                ..Medium::default()
+            });
+            b.ball([x, 0.0, 0.5], 0.4, ground, wax);
+        }
+    });
+    // What goes straight on is a Dirac, but light that it takes to the camera's side of a ball is scattered by the ball's surface.
+    all.push((
+        "every phase function in ground glass",
+        d.description,
+        FromLight,
+    ));
     let mut d = fog_room(Phase::Isotropic, |b, fog| {
         lamp(b);
         let null = b.null();
@@ -263,6 +302,15 @@ pub fn lights() -> Vec<Named> {
             });
             let fog = Some(0);
             b.description.emitters[0].medium = fog;
+        }),
+        named("a point in a bubble in fog", &|b| {
+            // Which keeps away from the light what would scatter as 1/d².
+            let (null, fog) = (b.null(), Some(0));
+            b.sphere([-0.4, 0.0, 0.9], 0.3, Some(null)).exterior = fog;
+            b.light(EmitterKind::Point {
+                position: [-0.5, 0.05, 0.95],
+                intensity: [2.0, 3.0, 4.0],
+            });
         }),
         named("a spot into fog", &|b| {
             b.light(EmitterKind::Spot {
@@ -386,8 +434,13 @@ pub fn sensors() -> Vec<Named> {
     parallel.sensor.projection = Projection::Orthographic {
         half_extent: [0.9; 2],
     };
+    let mut round = fog_room(HG, boxes);
+    let s = &mut round.sensor;
+    (s.projection, s.medium) = (Projection::Panorama, Some(0));
+    (s.origin, s.resolution) = ([0.1, -0.5, 1.1], [16, 8]);
     vec![
         ("a lens, cropped, before fog", lens, FromLight),
         ("parallel rays into fog", parallel, FromLight),
+        ("a panorama in fog", round, FromLight),
     ]
 }

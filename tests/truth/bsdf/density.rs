@@ -1,8 +1,8 @@
 //! `sample` draws from what `pdf` reports, and says of each draw what `eval` and `pdf` say.
 
 use super::kernel::real::{Real, Vec3};
-use super::kernel::spectrum::Spectrum;
-use super::kernel::surface::{Local, Mode};
+use super::kernel::spectrum::{Rgb, Spectrum};
+use super::kernel::surface::{Local, Mode, Scatter};
 use super::zoo::{
     All, COLUMNS, MODES, ROWS, Random, Specimen, cells, channels, dirac_lobes, directions,
     some_directions, zoo,
@@ -11,7 +11,7 @@ use etendue_tests::statistics::{Family, chi_square};
 use std::f64::consts::TAU;
 
 /// Behind the cells of the sphere: Dirac reflection, Dirac transmission, nothing.
-const BINS: usize = COLUMNS * ROWS + 3;
+pub const BINS: usize = COLUMNS * ROWS + 3;
 
 fn cell(w: Vec3) -> usize {
     let row = (0.5 * (w.z as f64 + 1.0) * ROWS as f64) as usize;
@@ -20,8 +20,17 @@ fn cell(w: Vec3) -> usize {
     row.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)
 }
 
+/// Where a draw fell.
+pub fn bin(drawn: Option<Scatter<Rgb>>) -> usize {
+    match drawn {
+        Some(s) if s.dirac => COLUMNS * ROWS + usize::from(s.transmitted),
+        Some(s) => cell(s.wi),
+        None => BINS - 1,
+    }
+}
+
 /// Where draws should fall: ∫ pdf over each cell, the Dirac lobes' probabilities, and what is left.
-fn shares(specimen: &Specimen, w: Vec3, mode: Mode) -> Vec<f64> {
+pub fn shares(specimen: &Specimen, w: Vec3, mode: Mode) -> Vec<f64> {
     let surface = &specimen.surface;
     let pdf = |wi| [surface.of::<All>().pdf(w, wi, mode) as f64, 0.0, 0.0];
     let mut shares: Vec<f64> = cells(specimen.glossy, w, pdf)
@@ -60,12 +69,7 @@ fn draws_follow_their_density() {
             for mode in MODES {
                 let mut counts = [0; BINS];
                 for _ in 0..DRAWS {
-                    let bin = match random.scatter(&specimen.surface, w, mode) {
-                        Some(s) if s.dirac => COLUMNS * ROWS + usize::from(s.transmitted),
-                        Some(s) => cell(s.wi),
-                        None => BINS - 1,
-                    };
-                    counts[bin] += 1;
+                    counts[bin(random.scatter(&specimen.surface, w, mode))] += 1;
                 }
                 let expected: Vec<f64> = shares(&specimen, w, mode)
                     .iter()

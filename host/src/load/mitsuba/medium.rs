@@ -263,7 +263,7 @@ pub fn volume(document: &Document, index: usize) -> Result<Source, LoadError> {
         }
         "gridvolume" => {
             let file = plugin.file("filename")?;
-            let mut read = volume_file::load(&file)?;
+            let mut read = volume_file::load(&file).map_err(|e| plugin.within("filename", e))?;
             read.grid.nearest = match plugin.string("filter_type")? {
                 None | Some("trilinear") => false,
                 Some("nearest") => true,

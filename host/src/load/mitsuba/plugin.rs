@@ -56,6 +56,18 @@ impl<'a> Plugin<'a> {
         self.node.error(self.kind, problem)
     }
 
+    /// Where a parameter was given, or else the plugin.
+    fn parameter(&self, name: &str) -> &Node {
+        let mut children = self.node.children.iter().map(|&c| &self.document.nodes[c]);
+        let given = children.find(|c| c.get("name") == Some(name));
+        given.unwrap_or(self.node)
+    }
+
+    /// What is wrong with the file that a parameter names.
+    pub fn within(&self, name: &str, error: LoadError) -> LoadError {
+        error.named(&self.parameter(name).place, self.kind)
+    }
+
     /// A value that makes no sense; the place is the parameter's, if it was given.
     pub fn invalid(
         &self,
@@ -63,11 +75,7 @@ impl<'a> Plugin<'a> {
         expected: impl Into<String>,
         found: impl ToString,
     ) -> LoadError {
-        let children = self.node.children.iter().map(|&c| &self.document.nodes[c]);
-        let node = children
-            .into_iter()
-            .find(|c| c.get("name") == Some(name))
-            .unwrap_or(self.node);
+        let node = self.parameter(name);
         let problem = Problem::Invalid {
             what: name.into(),
             expected: expected.into(),

@@ -7,7 +7,9 @@ use core::cell::UnsafeCell;
 use cortex_m as _;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
+use etendue::estimate::{Rule, Tree};
 use etendue::film::{Refused, Step, Sum};
+use etendue::random::Sequence;
 use etendue::real::Vec3;
 use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 
@@ -25,15 +27,35 @@ macro_rules! include_blob {
     }};
 }
 
-const SUITE: [(&str, Estimator, Heuristic); 7] = [
-    ("path balance", Estimator::Path, Heuristic::Balance),
-    ("path maximum", Estimator::Path, Heuristic::Maximum),
-    ("light power", Estimator::Light, Heuristic::Power),
-    ("bidirectional balance", Estimator::Bidirectional, Heuristic::Balance),
-    ("bidirectional power", Estimator::Bidirectional, Heuristic::Power),
-    ("bidirectional cutoff", Estimator::Bidirectional, Heuristic::Cutoff),
-    ("bidirectional maximum", Estimator::Bidirectional, Heuristic::Maximum),
-];
+const SUITE: [(&str, Estimator, Heuristic, Sequence); 12] = {
+    use {Estimator as E, Heuristic as H, Sequence::*};
+    [
+        ("path balance", E::Path, H::Balance, Independent),
+        ("path maximum", E::Path, H::Maximum, Independent),
+        ("path sobol", E::Path, H::Power, Sobol),
+        ("light power", E::Light, H::Power, Independent),
+        ("bidirectional balance", E::Bidirectional, H::Balance, Independent),
+        ("bidirectional power", E::Bidirectional, H::Power, Independent),
+        ("bidirectional cutoff", E::Bidirectional, H::Cutoff, Independent),
+        ("bidirectional maximum", E::Bidirectional, H::Maximum, Independent),
+        ("bidirectional sobol", E::Bidirectional, H::Power, Sobol),
+        ("distributed power", E::Distributed, H::Power, Independent),
+        ("quadrature power", E::Quadrature, H::Power, Independent),
+        ("quadrature+path power", E::QuadratureAndPath, H::Power, Independent),
+    ]
+};
+
+/// Ray trees and rules that there is time for.
+const TREE: Tree = Tree {
+    branching: [2, 2, 1, 0, 0, 0, 0, 0],
+    lights: 2,
+};
+const RULE: Rule = Rule {
+    order: 2,
+    steps: 4,
+    depth: 8,
+    shift: false,
+};
 
 const PIXELS: usize = 16 * 12;
 const PASSES: u64 = 2;
@@ -118,11 +140,18 @@ fn run(name: &str, blob: &[u8], memory: &mut Memory) -> bool {
     let Ok(scene) = Scene::open(blob) else {
         return false;
     };
-    for (what, estimator, heuristic) in SUITE {
+    for (what, estimator, heuristic, sequence) in SUITE {
+        // Lights that quadrature makes nothing of.
+        if estimator.refuses(&scene).is_some() {
+            continue;
+        }
         let settings = Settings {
             estimator,
             heuristic,
+            sequence,
             seed: 3,
+            tree: TREE,
+            rule: RULE,
             ..Settings::default()
         };
         let pixels = image(&scene, &settings, memory);
@@ -156,6 +185,7 @@ fn main() -> ! {
         && run("gloss", include_blob!("gloss.etd"), memory)
         && run("fog", include_blob!("fog.etd"), memory)
         && run("prism", include_blob!("prism.etd"), memory)
+        && run("round", include_blob!("round.etd"), memory)
         && run("open_air", include_blob!("open_air.etd"), memory)
         && run("plan", include_blob!("plan.etd"), memory);
     hprintln!(

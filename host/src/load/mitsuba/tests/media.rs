@@ -380,6 +380,42 @@ fn a_bad_medium_is_one_error_with_its_line() {
     );
 }
 
+/// Where the grid is asked for, and which file is at fault.
+#[test]
+fn what_is_wrong_with_a_grids_file_names_the_scenes_line_too() {
+    let long = vol([2, 2, 1], 1, &[1.0, 2.0, -3.0, 4.0]);
+    let mut other = long.clone();
+    other[3] = 2;
+    for (bytes, reason) in [
+        (
+            &long[..20],
+            "file of 20 bytes ends too early, expected a header of 48 bytes",
+        ),
+        (&other, "version 2, expected 3"),
+        (
+            &long[..60],
+            "12 bytes of data, expected 16: 2 x 2 x 1 texels of 1 x 4 bytes",
+        ),
+        (
+            &long,
+            "texel (0, 1, 0) is -3, expected a finite number >= 0",
+        ),
+    ] {
+        for name in ["sigma_t", "albedo", "emission"] {
+            let grid = format!(
+                "\n<volume name='{name}' type='gridvolume'>\n<string name='filename' value='bad.vol'/></volume>"
+            );
+            let body = format!(
+                "<shape type='cube'><bsdf type='null'/><medium name='interior' type='heterogeneous'>{grid}</medium></shape>"
+            );
+            let dir = folder(&[("scene.xml", &scene(&body))]);
+            std::fs::write(dir.path().join("bad.vol"), bytes).expect("a file");
+            let error = try_in(&dir, &[]).expect_err(reason);
+            assert_eq!(error, format!("scene.xml:5: gridvolume: bad.vol: {reason}"));
+        }
+    }
+}
+
 #[test]
 fn what_the_compiler_finds_names_file_and_line() {
     let compile = |body: &str| {
