@@ -78,20 +78,32 @@ fn distance(a: &[[f32; 3]], b: &[Estimate]) -> f64 {
     (error / b.iter().map(|b| b.mean * b.mean).sum::<f64>()).sqrt()
 }
 
-/// Of renders that say "not above E with 95 % confidence", no more are above E than may be: of each 60, 3 are expected at most, and more than 13 have a chance of 1e-6. By images
-/// of 144 pixels, a few of which carry most of the error, and of 576. And it isn't overdone: errors are no less than a quarter of E, root mean square.
+/// A floor and a ball under a lamp: noise without a tail, so that few samples are enough.
+fn lit_floor() -> Description {
+    let mut b = Builder::new().camera([0.0, -1.5, 2.0], [0.0; 3], [0.0, 0.0, 1.0], 40.0, [4, 4]);
+    let white = Some(b.diffuse([0.7, 0.6, 0.5]));
+    b.quad([-2.0, -2.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], white);
+    b.sphere([0.4, 0.2, 0.3], 0.3, white);
+    b.quad([-0.5, 0.5, 2.5], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], white)
+        .emission = Some([3.0, 4.0, 5.0]);
+    b.description
+}
+
+/// Of renders that say "not above E with 95 % confidence", no more are above E than may be: of each 1000, 50 are expected at most, and more than 86, 8.6 %, have a chance of
+/// 6.5e-7. By images of 16 pixels, a few of which carry most of the error; of 60 images of 144 pixels with a long tail, 3 are expected, and more than 13 have a chance of 1e-6. And it
+/// isn't overdone: errors are no less than a quarter of E, root mean square.
 #[test]
 fn stated_errors_hold_at_their_rate() {
-    const RUNS: u64 = 60;
-    for (side, estimator, asked) in [
-        (12, Estimator::Path, 0.2),
-        (24, Estimator::Path, 0.2),
-        (24, Estimator::Bidirectional, 0.05),
-        (24, Estimator::Light, 0.2),
+    let (floor, room) = (lit_floor(), scenes::plain());
+    for (scene, side, estimator, asked, runs, most) in [
+        (&floor, 4, Estimator::Path, 0.1, 1000, 86),
+        (&floor, 4, Estimator::Light, 0.3, 1000, 86),
+        (&floor, 4, Estimator::Bidirectional, 0.1, 1000, 86),
+        (&room, 12, Estimator::Path, 0.2, 60, 13),
     ] {
-        let bytes = small(scenes::plain(), side);
+        let bytes = small(scene.clone(), side);
         let truth = values(&truth(&bytes, (1 << 18) / u64::from(side * side)));
-        let errors: Vec<f64> = (0..RUNS)
+        let errors: Vec<f64> = (0..runs)
             .into_par_iter()
             .map(|seed| {
                 let r = by(&bytes, estimator, seed, until(asked));
@@ -100,9 +112,9 @@ fn stated_errors_hold_at_their_rate() {
             })
             .collect();
         let above = errors.iter().filter(|&&e| e > asked).count();
-        let mean = (errors.iter().map(|e| e * e).sum::<f64>() / RUNS as f64).sqrt();
-        println!("{side} {estimator:?}: {above} of {RUNS} above {asked}, {mean:.4} in the mean");
-        assert!(above <= 13, "{side} {estimator:?}: {above}");
+        let mean = (errors.iter().map(|e| e * e).sum::<f64>() / runs as f64).sqrt();
+        println!("{side} {estimator:?}: {above} of {runs} above {asked}, {mean:.4} in the mean");
+        assert!(above <= most, "{side} {estimator:?}: {above}");
         assert!(mean > 0.25 * asked, "{side} {estimator:?}: {mean}");
     }
 }

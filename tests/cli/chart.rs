@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// A chart of the scene at 8 × 6 pixels, on a budget of a fraction of a second, and its numbers.
-fn chart(at: &Path, extra: &[&str]) -> (String, Value) {
+pub fn chart(at: &Path, extra: &[&str]) -> (String, Value) {
     let mut arguments = vec![
         "chart",
         "scene.xml",
@@ -18,10 +18,11 @@ fn chart(at: &Path, extra: &[&str]) -> (String, Value) {
         "8",
         "--height",
         "6",
-        "--budget",
-        "300ms",
     ];
     arguments.extend(extra);
+    if !extra.contains(&"--budget") {
+        arguments.extend(["--budget", "300ms"]);
+    }
     if !extra.iter().any(|a| a.starts_with("--reference")) {
         arguments.extend(["--reference-budget", "1s"]);
     }
@@ -33,7 +34,7 @@ fn chart(at: &Path, extra: &[&str]) -> (String, Value) {
     )
 }
 
-fn names(numbers: &Value) -> Vec<&str> {
+pub fn names(numbers: &Value) -> Vec<&str> {
     let variants = numbers["variants"].as_array().unwrap();
     variants
         .iter()
@@ -140,6 +141,86 @@ fn a_chart_is_one_file_with_all_numbers_beside_it() {
             path.display()
         );
     }
+}
+
+/// Images have as many samples as take the same time by the times of the variants' budgets, which are beside them.
+#[test]
+fn images_are_chosen_at_equal_time() {
+    let (_keep, at) = folder();
+    let (report, numbers) = chart(&at, &["--estimators", "path,bidirectional,distributed"]);
+    let number = |v: &Value| v.as_f64().unwrap();
+    let seconds = |rung: &Value| {
+        let trials = rung["trials"].as_array().unwrap();
+        let all: Vec<_> = trials.iter().map(|t| number(&t["cpu_seconds"])).collect();
+        all.iter().sum::<f64>() / all.len() as f64
+    };
+    let variants = numbers["variants"].as_array().unwrap();
+    let rungs = |v: &Value| v["rungs"].as_array().unwrap().clone();
+    let last = variants.iter().map(|v| seconds(rungs(v).last().unwrap()));
+    let time = number(&numbers["image_cpu_seconds"]);
+    let least = last.fold(f64::INFINITY, f64::min);
+    assert!((time / least - 1.0).abs() < 1e-9, "{time}, not {least}");
+    for variant in variants {
+        let (image, rungs) = (&variant["image"], rungs(variant));
+        let passes = image["passes"].as_u64().unwrap();
+        // Between the last budget that took less and the next, in proportion; of whole samples.
+        let below = rungs.iter().rposition(|r| seconds(r) < time);
+        let of = |i: usize| {
+            (
+                rungs[i]["passes"].as_u64().unwrap() as f64,
+                seconds(&rungs[i]),
+            )
+        };
+        let expected = below.map_or(1.0, |i| {
+            let ((n, a), (m, b)) = (of(i), of(i + 1));
+            n + (m - n) * (time - a) / (b - a)
+        });
+        assert!(
+            (expected - passes as f64).abs() <= 0.5 + 1e-6 * expected,
+            "{expected}: {variant}"
+        );
+        assert!(number(&image["mse"]) > 0.0 && number(&image["cpu_seconds"]) > 0.0);
+        let name = variant["name"].as_str().unwrap();
+        let caption = format!("{name}: {passes} samples per pixel in ");
+        assert!(report.contains(&caption), "the report lacks {caption}");
+    }
+}
+
+/// Each variant says what light it leaves out, as `inspect` does, and so does the reference.
+#[test]
+fn light_paths_that_are_left_out_are_named() {
+    let (_keep, at) = folder();
+    let estimators = "path,light,bidirectional";
+    let lines = |v: &Value| -> Vec<String> {
+        let all = v["unreachable"].as_array().unwrap().iter();
+        all.map(|line| line.as_str().unwrap().to_owned()).collect()
+    };
+    let (report, numbers) = chart(&at, &["--estimators", estimators, "--budget", "50ms"]);
+    for variant in numbers["variants"].as_array().unwrap() {
+        assert!(lines(variant).is_empty(), "{variant}");
+    }
+    assert!(!report.contains("can't be made"));
+    let glass = r#"<shape type="sphere"><point name="center" x="0" y="0.5" z="0"/><float name="radius" value="0.3"/><bsdf type="dielectric"/></shape>
+        <emitter type="point"><point name="position" x="1" y="2" z="0"/></emitter></scene>"#;
+    let scene = text(&bytes(&at, "scene.xml")).replace("</scene>", glass);
+    std::fs::write(at.join("scene.xml"), scene).unwrap();
+    let (report, numbers) = chart(&at, &["--estimators", estimators, "--budget", "50ms"]);
+    let inspected = succeed(&at, &["inspect", "scene.xml"]);
+    for (i, part) in [
+        "(their caustics",
+        "sensor sees in a mirror",
+        "caustics seen",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let all = lines(&numbers["variants"][i]);
+        assert!(all.len() == 1 && all[0].contains(part), "{part}: {all:?}");
+        assert!(inspected.contains(&all[0]), "{inspected} lacks {}", all[0]);
+        assert!(report.contains(&all[0]), "the report lacks {}", all[0]);
+    }
+    assert!(report.contains("can't be made by bidirectional, the reference: "));
+    assert_eq!(lines(&numbers["reference"]), lines(&numbers["variants"][2]));
 }
 
 #[test]
@@ -260,35 +341,4 @@ fn bad_charts_are_refused_before_anything_is_rendered() {
         ],
     );
     refused(&at, 1, &["--reference", "small.exr"], &["5 × 5", "16 × 12"]);
-}
-
-/// `auto` is what its pilot chooses, here as in `render`.
-#[test]
-fn auto_is_charted_as_what_it_chooses() {
-    let (_keep, at) = folder();
-    let (_, numbers) = chart(&at, &["--estimators", "auto,path,bidirectional"]);
-    let names = names(&numbers);
-    let chosen = names[0]
-        .strip_prefix("auto (")
-        .and_then(|name| name.strip_suffix(')'))
-        .unwrap();
-    let i = names.iter().position(|name| *name == chosen).unwrap();
-    let errors = |i: usize| numbers["variants"][i]["rungs"][0]["trials"].clone();
-    let mse = |i: usize| errors(i)[0]["mse"].clone();
-    assert_eq!(mse(0), mse(i));
-    assert_ne!(mse(0), mse(3 - i));
-    // The same estimator, said aloud and named outright, makes the same image.
-    let render = |estimator: &str, file: &str, threads: &str| {
-        let how = ["--estimator", estimator, "--threads", threads, "--spp", "2"];
-        let all = [&["render", "scene.xml", "-o", file][..], &how].concat();
-        let output = etendue(&at, &all);
-        assert!(output.status.success());
-        (bytes(&at, file), text(&output.stderr))
-    };
-    let (auto, said) = render("auto", "a.exr", "1");
-    assert!(said.starts_with(&format!("{chosen}: ")), "{said}");
-    assert_eq!(auto, render("auto", "b.exr", "3").0);
-    assert_eq!(auto, render(chosen, "c.exr", "2").0);
-    let other = ["path", "bidirectional"].map(|name| render(name, "d.exr", "1").0);
-    assert_ne!(other[0], other[1]);
 }

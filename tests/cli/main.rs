@@ -1,10 +1,12 @@
 //! The program as a user meets it: its commands, its files, its refusals.
 
+mod auto;
 mod chart;
 mod faults;
 mod figures;
 mod refusals;
 mod signals;
+mod sweeps;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

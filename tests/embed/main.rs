@@ -11,6 +11,7 @@ mod headers;
 mod hosted;
 mod misuse;
 mod readme;
+mod report;
 mod tools;
 mod versions;
 mod web;

@@ -1,6 +1,7 @@
 //! Renders each variant on a ladder of budgets, with several seeds, and takes the distance to a reference.
 
 use crate::develop::{Linear, distance};
+use crate::reach::unreachable;
 use crate::render::{Budget, CAPACITY, Crew, Device, Options, render, render_double};
 use crate::scene::Prepared;
 use crate::statistics::{Costs, Estimate, Interval, tail_index};
@@ -20,6 +21,17 @@ pub struct Subject {
     pub settings: Settings,
     /// Whether in double precision.
     pub double: bool,
+}
+
+impl Subject {
+    /// The light paths that it can't make, a sentence each.
+    ///
+    /// # Errors
+    /// If the scene can't be opened.
+    pub fn unreachable(&self) -> Result<Vec<String>, String> {
+        let scene = Scene::open(self.prepared.blob.bytes()).map_err(|e| e.to_string())?;
+        Ok(unreachable(&scene, &self.settings))
+    }
 }
 
 /// How much is measured.
@@ -42,6 +54,17 @@ pub struct Reference {
     pub origin: String,
     /// The mean of its own variance over pixels and channels, and the mean of variance/(value² + 0.01 m²); `None` where that isn't known.
     pub noise: Option<[f64; 2]>,
+    /// The light paths that it lacks, as far as that is known: a sentence each.
+    pub unreachable: Vec<String>,
+}
+
+impl Reference {
+    /// Mean squared error and relMSE of an image: as they are seen, and less the reference's own.
+    pub fn errors(&self, image: &Linear) -> [[f64; 2]; 2] {
+        let d = distance(image, &self.image);
+        let (seen, noise) = ([d.mse, d.rel_mse], self.noise.unwrap_or([0.0; 2]));
+        [seen, [0, 1].map(|i| (seen[i] - noise[i]).max(0.0))]
+    }
 }
 
 /// One render.
@@ -51,6 +74,17 @@ pub struct Trial {
     pub seconds: f64,
     /// Mean squared error and relMSE, less the reference's own where that is known; never below 0.
     pub errors: [f64; 2],
+}
+
+/// An image to look at.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// The image.
+    pub image: Linear,
+    /// Samples per pixel.
+    pub passes: u64,
+    /// What it took and how far it is off.
+    pub trial: Trial,
 }
 
 /// A budget.
@@ -97,14 +131,14 @@ pub struct Measured {
     pub subject: Subject,
     /// Why it can't be measured.
     pub refused: Option<String>,
+    /// The light paths that it can't make, a sentence each: their light is an error that stays.
+    pub unreachable: Vec<String>,
     /// From the smallest budget on.
     pub rungs: Vec<Rung>,
     /// 1/(MSE × CPU s) and 1/(relMSE × CPU s), by all trials of the largest budgets that the reference can tell.
     pub efficiency: [Costs; 2],
-    /// The image of the largest budget, one seed's.
-    pub image: Option<Linear>,
-    /// CPU seconds that it took.
-    pub image_seconds: f64,
+    /// The image that has had as much time as those of all others ([`super::equal`]).
+    pub shown: Option<Shown>,
     /// Squared error by pixel, mean of the channels and of the seeds of the largest budget.
     pub error_map: Vec<f32>,
     /// Of samples of pixels; `None` for chains and in double precision.
@@ -183,10 +217,10 @@ pub fn measure(
 ) -> Result<Option<Measured>, String> {
     let mut m = Measured {
         refused: None,
+        unreachable: subject.unreachable()?,
         rungs: Vec::new(),
         efficiency: Default::default(),
-        image: None,
-        image_seconds: 0.0,
+        shown: None,
         error_map: Vec::new(),
         tail: None,
         subject,
@@ -218,13 +252,9 @@ pub fn measure(
             if stop.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            let d = distance(&image, &reference.image);
-            let noise = reference.noise.unwrap_or([0.0; 2]);
-            seen += d.mse / plan.seeds as f64;
-            rung.trials.push(Trial {
-                seconds,
-                errors: [d.mse - noise[0], d.rel_mse - noise[1]].map(|e| e.max(0.0)),
-            });
+            let [as_seen, errors] = reference.errors(&image);
+            seen += as_seen[0] / plan.seeds as f64;
+            rung.trials.push(Trial { seconds, errors });
             spent += seconds;
             map.resize(image.pixels.len(), 0.0);
             for ((sum, p), q) in map
@@ -235,15 +265,15 @@ pub fn measure(
                 let squares: f32 = (0..3).map(|c| (p[c] - q[c]) * (p[c] - q[c])).sum();
                 *sum += squares / (3.0 * plan.seeds as f32);
             }
-            (m.image, m.image_seconds) = (Some(image), seconds);
         }
         rung.limited = reference.noise.is_some_and(|n| seen < 4.0 * n[0]);
         let took = rung.seconds() * plan.seeds as f64;
         m.error_map = map;
         m.rungs.push(rung);
         watch(passes, spent / plan.seconds);
-        // The next one takes about twice as long.
-        if spent + 2.0 * took > plan.seconds || passes >= 1 << 40 {
+        // The next one takes about twice as long, and one image like its is made to be looked at.
+        let next = 2.0 * took * (1.0 + 1.0 / plan.seeds as f64);
+        if spent + next > plan.seconds || passes >= 1 << 40 {
             break;
         }
         passes *= 2;

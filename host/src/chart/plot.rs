@@ -88,11 +88,25 @@ fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     low / 1.5..high * 1.5
 }
 
-/// The corner in which a legend hides least: of places along all lines, evenly in the plot's logarithms, the fewest are there.
-fn corner(plot: &Plot, x: &std::ops::Range<f64>, y: &std::ops::Range<f64>) -> SeriesLabelPosition {
-    /// Parts of the plot's width and height that a legend takes.
-    const PART: [f64; 2] = [0.4, 0.4];
+/// Parts of the plot's width and height that its legend takes, about: letters are 7 pixels wide, lines 16 high.
+fn legend(plot: &Plot) -> [f64; 2] {
+    let slope = plot.slope.iter().map(|(_, name)| name);
+    let names = plot.series.iter().map(|s| &s.name).chain(slope);
+    let lengths: Vec<usize> = names.map(|name| name.chars().count()).collect();
+    let longest = lengths.iter().copied().max().unwrap_or(0);
+    let width = (60 + 7 * longest) as f64 / f64::from(SIZE.0 - 104);
+    let height = (20 + 16 * lengths.len()) as f64 / f64::from(SIZE.1 - 92);
+    [width, height].map(|part| part.min(0.9))
+}
+
+/// The corner in which a legend hides least: of places along all lines, evenly in the plot's logarithms, the fewest are there. And how many are.
+fn corner(
+    plot: &Plot,
+    x: &std::ops::Range<f64>,
+    y: &std::ops::Range<f64>,
+) -> (SeriesLabelPosition, usize) {
     const STEPS: u32 = 16;
+    let part = legend(plot);
     let share = |v: f64, r: &std::ops::Range<f64>| (v / r.start).ln() / (r.end / r.start).ln();
     let mut places = Vec::new();
     for series in &plot.series {
@@ -111,7 +125,7 @@ fn corner(plot: &Plot, x: &std::ops::Range<f64>, y: &std::ops::Range<f64>) -> Se
     }
     let hidden = |right: bool, upper: bool| {
         let near = |v: f64, far: bool, part: f64| if far { v > 1.0 - part } else { v < part };
-        let there = |p: &&[f64; 2]| near(p[0], right, PART[0]) && near(p[1], upper, PART[1]);
+        let there = |p: &&[f64; 2]| near(p[0], right, part[0]) && near(p[1], upper, part[1]);
         places.iter().filter(there).count()
     };
     // The first of equals: where lines fall, the upper right is what is looked at last.
@@ -122,8 +136,9 @@ fn corner(plot: &Plot, x: &std::ops::Range<f64>, y: &std::ops::Range<f64>) -> Se
         (true, false, SeriesLabelPosition::LowerRight),
     ]
     .into_iter()
-    .min_by_key(|&(right, upper, _)| hidden(right, upper))
-    .map_or(SeriesLabelPosition::UpperRight, |c| c.2)
+    .map(|(right, upper, position)| (position, hidden(right, upper)))
+    .min_by_key(|&(_, hidden)| hidden)
+    .unwrap_or((SeriesLabelPosition::UpperRight, 0))
 }
 
 /// 10^n, 2·10^n and 5·10^n; what else is in between has no room.
@@ -150,7 +165,15 @@ fn draw<B: DrawingBackend>(plot: &Plot, area: DrawingArea<B, Shift>) -> Result<(
     // Bands may be wider than anything; they don't set the scale by more than this.
     let bands = range(points().flat_map(|p| [p[2].max(y.start / 5.0), p[3].min(y.end * 5.0)]));
     let y = y.start.min(bands.start)..y.end.max(bands.end);
-    let clamp = |v: f64| v.clamp(y.start, y.end);
+    let ends = [y.start, y.end];
+    let clamp = |v: f64| v.clamp(ends[0], ends[1]);
+    let (mut position, hidden) = corner(plot, &x, &y);
+    let mut y = y;
+    if hidden > 0 {
+        // Where there is no room for the legend, it is made above all lines.
+        position = SeriesLabelPosition::UpperRight;
+        y.end = y.start * (y.end / y.start).powf(1.0 / (1.0 - legend(plot)[1]));
+    }
     let mut chart = ChartBuilder::on(&area)
         .caption(&plot.title, ("sans-serif", 17))
         .margin(12)
@@ -214,7 +237,7 @@ fn draw<B: DrawingBackend>(plot: &Plot, area: DrawingArea<B, Shift>) -> Result<(
     }
     chart
         .configure_series_labels()
-        .position(corner(plot, &x, &y))
+        .position(position)
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.2))
         .label_font(("sans-serif", 13))

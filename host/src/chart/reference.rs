@@ -63,6 +63,7 @@ pub fn reference(
     let differences: Vec<[f32; 3]> = pairs().map(half).collect();
     Ok(Some(Reference {
         noise: Some(noise(&differences, &image)),
+        unreachable: subject.unreachable()?,
         origin: format!(
             "rendered here by {}: two halves of {passes} samples per pixel.",
             format!("{:?}", subject.settings.estimator).to_lowercase()

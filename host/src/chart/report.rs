@@ -1,5 +1,6 @@
 //! One file that shows everything: no network, no other file.
 
+use super::equal;
 use super::measure::{Measured, Reference};
 use super::plot::{Plot, Series, svg};
 use crate::develop::{AS_IT_IS, Format, Linear, Tone, encode};
@@ -164,6 +165,31 @@ fn top(all: &[Measured]) -> f32 {
         .max(f32::MIN_POSITIVE)
 }
 
+/// What variants leave out: those that lack the same paths share a line.
+fn unreachable(out: &mut String, all: &[Measured], reference: &Reference) {
+    let mut lines: Vec<(&str, Vec<String>)> = Vec::new();
+    let variants = all
+        .iter()
+        .map(|m| (escape(&m.subject.name), &m.unreachable));
+    let of_reference = std::iter::once(("the reference".to_owned(), &reference.unreachable));
+    for (name, texts) in variants.chain(of_reference) {
+        for text in texts {
+            match lines.iter_mut().find(|(line, _)| line == text) {
+                Some((_, names)) => names.push(name.clone()),
+                None => lines.push((text, vec![name.clone()])),
+            }
+        }
+    }
+    for (text, names) in lines {
+        let _ = write!(
+            out,
+            "<p class=\"warn unreachable\">Light paths that can't be made by {}: {}.</p>",
+            names.join(", "),
+            escape(text)
+        );
+    }
+}
+
 /// What each came to.
 fn table(out: &mut String, all: &[Measured]) {
     let first = all.iter().find(|m| m.refused.is_none());
@@ -218,10 +244,10 @@ const STYLE: &str = "
 *{box-sizing:border-box}body{margin:0 auto;max-width:1500px;padding:1.2rem;background:var(--paper);color:var(--ink);font:16px/1.5 system-ui,sans-serif}
 h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.15rem;margin:2rem 0 .5rem;border-top:1px solid var(--line);padding-top:1rem}
 code{font:13px/1.5 ui-monospace,monospace;overflow-wrap:anywhere}p{max-width:75ch;margin:.4rem 0}
-.grid{display:grid;gap:1rem;grid-template-columns:repeat(auto-fit,minmax(min(100%,420px),1fr))}.small{grid-template-columns:repeat(auto-fill,minmax(min(100%,220px),1fr))}
+.grid{display:grid;gap:1rem;grid-template-columns:repeat(auto-fit,minmax(min(100%,420px),1fr))}.small{grid-template-columns:repeat(auto-fill,minmax(min(100%,180px),1fr))}
 figure{margin:0}figcaption{font-size:.85rem;color:var(--soft)}figure svg,figure img{width:100%;height:auto;display:block;background:#fff;border:1px solid var(--line)}
 .small img{image-rendering:pixelated;background:#000}.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums}
-th,td{text-align:left;padding:.3rem .7rem;border-bottom:1px solid var(--line);vertical-align:top}th{vertical-align:bottom}td{white-space:nowrap}td[colspan]{white-space:normal}.note{color:var(--soft)}.warn{border-left:4px solid #d55e00;padding-left:.8rem}";
+th,td{text-align:left;padding:.3rem .7rem;border-bottom:1px solid var(--line);vertical-align:top}th{vertical-align:bottom}td{white-space:nowrap}td[colspan],td:first-child{white-space:normal}td:first-child{min-width:7rem;max-width:16rem}.note{color:var(--soft)}.warn{border-left:4px solid #d55e00;padding-left:.8rem}";
 
 /// The report.
 ///
@@ -261,6 +287,7 @@ pub fn html(all: &[Measured], reference: &Reference, facts: &Facts) -> Result<St
             names.join(", ")
         );
     }
+    unreachable(&mut out, all, reference);
     for warning in &facts.warnings {
         let _ = write!(out, "<p class=\"warn\">{}</p>", escape(warning));
     }
@@ -304,17 +331,30 @@ fn images(
         );
         Ok(())
     };
-    out.push_str("<p class=\"note\">The largest budget of each, which has had the same CPU time to within a factor of two; one exposure.</p><div class=\"grid small\">");
+    let took: Vec<f64> = all
+        .iter()
+        .filter_map(|m| Some(m.shown.as_ref()?.trial.seconds))
+        .collect();
+    let least = took.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = took.iter().copied().fold(0.0, f64::max);
+    let _ = write!(
+        out,
+        "<p class=\"note\">At equal time: each has as many samples as take {} CPU seconds by the times of its budgets, whole ones, one at least. They took {} to {}. One exposure.</p><div class=\"grid small\">",
+        number(equal::time(all).unwrap_or(0.0)),
+        number(least),
+        number(greatest),
+    );
     figure(out, &reference.image, facts.tone, "reference")?;
     for m in all {
-        if let (Some(image), Some(rung)) = (&m.image, m.rungs.last()) {
+        if let Some(shown) = &m.shown {
             let caption = format!(
-                "{}: {} samples per pixel, {} CPU s",
+                "{}: {} samples per pixel in {} CPU s, MSE {}",
                 m.subject.name,
-                rung.passes,
-                number(m.image_seconds)
+                shown.passes,
+                number(shown.trial.seconds),
+                number(shown.trial.errors[0])
             );
-            figure(out, image, facts.tone, &caption)?;
+            figure(out, &shown.image, facts.tone, &caption)?;
         }
     }
     let most = top(all);
@@ -344,6 +384,7 @@ pub fn json(all: &[Measured], reference: &Reference, facts: &Facts) -> serde_jso
             serde_json::json!({
                 "name": m.subject.name,
                 "refused": m.refused,
+                "unreachable": m.unreachable,
                 "rungs": m.rungs.iter().map(|r| serde_json::json!({
                     "passes": r.passes,
                     "reference_is_the_limit": r.limited,
@@ -357,6 +398,12 @@ pub fn json(all: &[Measured], reference: &Reference, facts: &Facts) -> serde_jso
                 "efficiency_rel_mse": interval(m.efficiency(1)),
                 "ratio_mse": all.first().and_then(|f| interval(m.efficiency[0].over(&f.efficiency[0]))),
                 "ratio_rel_mse": all.first().and_then(|f| interval(m.efficiency[1].over(&f.efficiency[1]))),
+                "image": m.shown.as_ref().map(|s| serde_json::json!({
+                    "passes": s.passes,
+                    "cpu_seconds": s.trial.seconds,
+                    "mse": s.trial.errors[0],
+                    "rel_mse": s.trial.errors[1],
+                })),
                 "tail": m.tail.as_ref().map(|t| serde_json::json!({
                     "samples": t.samples,
                     "index": t.index.map(|(i, e)| [i, e]),
@@ -374,7 +421,9 @@ pub fn json(all: &[Measured], reference: &Reference, facts: &Facts) -> serde_jso
             "origin": reference.origin,
             "mse": reference.noise.map(|n| n[0]),
             "rel_mse": reference.noise.map(|n| n[1]),
+            "unreachable": reference.unreachable,
         },
+        "image_cpu_seconds": equal::time(all),
         "variants": variants,
     })
 }

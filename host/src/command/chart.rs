@@ -1,21 +1,22 @@
 //! `etendue chart`.
 
-use super::how::How;
-use super::reading::Reading;
+mod sweep;
+
 use super::render::{catch_interrupt, duration};
 use super::screen::Screen;
 use super::{Failure, warn};
 use crate::chart::{
-    Facts, Plan, Reference, Subject, html, json, measure, plots, png, reference, svg,
+    Facts, Plan, Reference, Subject, equal, html, json, measure, plots, png, reference, svg,
 };
 use crate::develop::{AS_IT_IS, Format, Linear, check_writable, encode, read, write_files};
 use crate::scene::{Changes, prepare};
-use clap::{Args, FromArgMatches};
+use clap::Args;
 use std::collections::HashMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Duration;
+use sweep::{Sweep, Variant, own, product, sweep, variant};
 
 /// Chart speed against accuracy: variants of a render on a ladder of budgets
 ///
@@ -74,141 +75,6 @@ pub struct Chart {
     /// No progress
     #[arg(long)]
     quiet: bool,
-}
-
-/// What variants differ in.
-#[derive(Args, Debug)]
-struct Variant {
-    #[command(flatten)]
-    how: How,
-    #[command(flatten)]
-    reading: Reading,
-    /// Precision that light is estimated in
-    #[arg(long, value_enum, default_value_t = PrecisionName::Single)]
-    precision: PrecisionName,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
-enum PrecisionName {
-    /// f32
-    Single,
-    /// f64, by the same source
-    Double,
-}
-
-/// A flag and the values that it takes in turn.
-#[derive(Clone, Debug)]
-struct Sweep {
-    key: String,
-    values: Vec<String>,
-}
-
-/// `KEY=V1,V2`.
-fn sweep(text: &str) -> Result<Sweep, String> {
-    let expected = || format!("expected KEY=V1,V2,… where --KEY is a flag, found {text:?}");
-    let (key, values) = text.split_once('=').ok_or_else(expected)?;
-    let separator = if values.contains(';') { ';' } else { ',' };
-    let values: Vec<String> = values.split(separator).map(|v| v.trim().into()).collect();
-    if key.is_empty() || values.iter().any(String::is_empty) {
-        return Err(expected());
-    }
-    Ok(Sweep {
-        key: key.trim_start_matches('-').into(),
-        values,
-    })
-}
-
-/// The flags of variants alone.
-fn flags() -> clap::Command {
-    // What comes later replaces what was there.
-    Variant::augment_args(
-        clap::Command::new("chart")
-            .no_binary_name(true)
-            .args_override_self(true),
-    )
-}
-
-/// The variant that the command line asks for, with these flags put in.
-fn variant(line: &[OsString], changes: &[(String, String)]) -> Result<Variant, String> {
-    let command = flags();
-    let mut all: Vec<OsString> = line.to_vec();
-    for (key, value) in changes {
-        let argument = command.get_arguments().find(|a| a.get_long() == Some(key));
-        let Some(argument) = argument.filter(|a| a.get_id() != "define") else {
-            let known: Vec<_> = command
-                .get_arguments()
-                .filter_map(|a| a.get_long())
-                .collect();
-            return Err(format!(
-                "--sweep {key}: expected one of {}",
-                known.join(", ")
-            ));
-        };
-        match (argument.get_action(), value.as_str()) {
-            (clap::ArgAction::SetTrue, "true") => all.push(format!("--{key}").into()),
-            (clap::ArgAction::SetTrue, "false") => all.retain(|a| *a != *format!("--{key}")),
-            (clap::ArgAction::SetTrue, _) => {
-                return Err(format!("--sweep {key}={value}: expected true or false"));
-            }
-            _ => all.push(format!("--{key}={value}").into()),
-        }
-    }
-    let matches = command.try_get_matches_from(all);
-    matches
-        .and_then(|m| Variant::from_arg_matches(&m))
-        .map_err(|e| {
-            let text = e.to_string();
-            let text = text.split("\n\n").next().unwrap_or_default();
-            text.trim_start_matches("error: ").into()
-        })
-}
-
-/// Of the arguments of the whole program, those that [`Variant`] knows: they are parsed again for each variant.
-fn own(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
-    let command = flags();
-    let known = |name: &str| {
-        command.get_arguments().find(|a| {
-            name.strip_prefix("--")
-                .is_some_and(|n| a.get_long() == Some(n))
-                || name
-                    .strip_prefix('-')
-                    .is_some_and(|n| a.get_short().is_some_and(|s| n == s.to_string()))
-        })
-    };
-    let mut mine = Vec::new();
-    let mut arguments = arguments.peekable();
-    while let Some(argument) = arguments.next() {
-        let text = argument.to_string_lossy().into_owned();
-        let name = text.split('=').next().unwrap_or_default();
-        if text.starts_with("-D") && text.len() > 2 {
-            mine.push(argument);
-        } else if let Some(found) = known(name) {
-            let takes = matches!(
-                found.get_action(),
-                clap::ArgAction::Set | clap::ArgAction::Append
-            );
-            mine.push(argument);
-            if takes && !text.contains('=') {
-                mine.extend(arguments.next());
-            }
-        }
-    }
-    mine
-}
-
-/// All combinations.
-fn product(sweeps: &[Sweep]) -> Vec<Vec<(String, String)>> {
-    sweeps.iter().fold(vec![Vec::new()], |all, sweep| {
-        let longer = |before: &Vec<(String, String)>| {
-            let before = before.clone();
-            sweep.values.iter().map(move |value| {
-                let mut changes = before.clone();
-                changes.push((sweep.key.clone(), value.clone()));
-                changes
-            })
-        };
-        all.iter().flat_map(longer).collect()
-    })
 }
 
 impl Chart {
@@ -295,6 +161,11 @@ impl Chart {
             )
             .into());
         }
+        progress("images at equal time".into());
+        let shown = equal::images(&mut all, &reference, &plan, &stop);
+        if !shown.map_err(|e| format!("{}: {e}", self.scene.display()))? {
+            return Err(Failure::Interrupted);
+        }
         let facts = Facts {
             scene: self
                 .scene
@@ -369,18 +240,18 @@ impl Chart {
         let mut settings = variant.how.settings(prepared.advice.max_depth);
         let scene = etendue::Scene::open(prepared.blob.bytes()).map_err(|e| e.to_string())?;
         let threads = self.threads.unwrap_or(0) as usize;
-        let chosen = variant.how.choose(&mut settings, &scene, threads);
+        let chosen = variant.how.choose(&mut settings, &scene, threads, None);
         let mut name = name.to_owned();
-        if let Some(why) = chosen.map_err(|e| format!("{}: {e}", self.scene.display()))? {
+        if let Some(choice) = chosen.map_err(|e| format!("{}: {e}", self.scene.display()))? {
             if !self.quiet {
-                eprintln!("{name}: {why}");
+                eprintln!("{name}: {}", choice.line(None));
             }
-            name = format!("{name} ({})", super::how::name(settings.estimator));
+            name = format!("{name} ({})", choice.name);
         }
         Ok(Subject {
             name,
             settings,
-            double: variant.precision == PrecisionName::Double,
+            double: variant.double(),
             prepared,
         })
     }
@@ -448,6 +319,7 @@ fn given(path: &Path) -> Result<Reference, String> {
         image,
         origin: format!("{}.", path.display()),
         noise,
+        unreachable: Vec::new(),
     })
 }
 
@@ -462,57 +334,4 @@ fn command_line() -> String {
         }
     });
     format!("etendue {}", quoted.collect::<Vec<_>>().join(" "))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{own, product, sweep, variant};
-    use std::ffi::OsString;
-
-    fn line(text: &str) -> Vec<OsString> {
-        text.split_whitespace().map(Into::into).collect()
-    }
-
-    #[test]
-    fn sweeps_multiply() {
-        let all = product(&[sweep("a=1,2").unwrap(), sweep("b=x;y,z;w").unwrap()]);
-        assert_eq!(all.len(), 6);
-        assert_eq!(
-            all[1],
-            [("a".into(), "1".into()), ("b".into(), "y,z".into())]
-        );
-        assert!(sweep("a").is_err() && sweep("a=").is_err() && sweep("=b").is_err());
-    }
-
-    #[test]
-    fn variants_take_the_command_lines_flags_and_their_own() {
-        let mine = own(line(
-            "scene.xml --mis balance -o x.html --seed=3 --budget 3s -D a=b -Dc=d --shift",
-        )
-        .into_iter());
-        assert_eq!(mine, line("--mis balance --seed=3 -D a=b -Dc=d --shift"));
-        let v = variant(
-            &mine,
-            &[
-                ("mis".into(), "maximum".into()),
-                ("shift".into(), "false".into()),
-            ],
-        )
-        .unwrap();
-        let s = v.how.settings(None);
-        assert_eq!(
-            (s.heuristic, s.seed, s.rule.shift),
-            (etendue::Heuristic::Maximum, 3, false)
-        );
-        assert_eq!(v.reading.define.len(), 2);
-        for (key, value) in [
-            ("mis", "best"),
-            ("nonsense", "1"),
-            ("shift", "perhaps"),
-            ("seed", "-1"),
-        ] {
-            let e = variant(&mine, &[(key.into(), value.into())]).unwrap_err();
-            assert!(e.contains(key) || e.contains(value), "{e}");
-        }
-    }
 }

@@ -1,10 +1,11 @@
 //! The flags that say how light is estimated, for all commands that do it.
 
-use crate::render::{Crew, Found, RenderError, pilot};
+use crate::render::{Budget, Crew, Found, RenderError, pilot};
 use clap::ValueEnum;
 use etendue::estimate::{LEVELS, Mutations, Rule, Tree};
 use etendue::random::Sequence;
 use etendue::{Estimator, Heuristic, Scene, Settings};
+use std::time::{Duration, Instant};
 
 /// How light is estimated.
 #[derive(clap::Args, Debug)]
@@ -160,49 +161,115 @@ fn share(text: &str) -> Result<f32, String> {
         .ok_or_else(|| format!("expected a number from 0 to 1, found {text:?}"))
 }
 
+/// What was chosen.
+pub struct Choice {
+    /// The estimator, as the command line calls it.
+    pub name: String,
+    why: String,
+    /// Rays of a sample.
+    cost: f64,
+    /// Rays of the pilot.
+    pub rays: u64,
+    /// Its time.
+    pub seconds: f64,
+}
+
+impl Choice {
+    /// The pilot's share of what a render of so much takes: of its time, if it has one, else of its rays; `None` where neither is known beforehand, and where there was
+    /// no pilot.
+    pub fn share(&self, budget: Budget, pixels: usize) -> Option<f64> {
+        let share = match budget {
+            Budget::Time(time) => self.seconds / time.as_secs_f64(),
+            Budget::Passes(passes) => {
+                self.rays as f64 / (passes as f64 * pixels as f64 * self.cost)
+            }
+            Budget::Error { .. } => return None,
+        };
+        Some(share).filter(|s| self.rays > 0 && s.is_finite())
+    }
+
+    /// What was chosen and why, and what that took, in one line.
+    pub fn line(&self, budget: Option<(Budget, usize)>) -> String {
+        let Self { name, why, .. } = self;
+        if self.rays == 0 {
+            return format!("{name}: {why}");
+        }
+        let millions = 1e-6 * self.rays as f64;
+        let share = budget.and_then(|(budget, pixels)| Some((budget, self.share(budget, pixels)?)));
+        let took = match share {
+            // A time isn't the same each time: it is said only where the image isn't either.
+            Some((Budget::Time(_), share)) => {
+                format!(
+                    "{:.2} s, {:.1} % of the render's time",
+                    self.seconds,
+                    100.0 * share
+                )
+            }
+            Some((_, share)) => {
+                format!(
+                    "{millions:.2} M rays, {:.1} % of what the render takes",
+                    100.0 * share
+                )
+            }
+            None => format!("{millions:.2} M rays"),
+        };
+        format!("{name}: {why}; the pilot took {took}")
+    }
+}
+
+/// Why the best is.
+fn why(best: &Found, second: Option<&Found>) -> String {
+    let Some(second) = second else {
+        return "the other one can't make all of this scene's light".into();
+    };
+    let of = |f: &Found| {
+        format!(
+            "{} has an error of {:.2e} at {:.1} rays a sample",
+            name(f.estimator),
+            f.mse,
+            f.cost
+        )
+    };
+    let (first, other) = (of(best), of(second));
+    if best.bright && !second.bright {
+        format!(
+            "by a pilot in which {} met no light ({first})",
+            name(second.estimator)
+        )
+    } else if best.mse <= 0.0 {
+        format!("by a pilot without error ({first}; {other})")
+    } else {
+        let times = best.efficiency() / second.efficiency();
+        format!("by a pilot {times:.2} times as efficient ({first}; {other})")
+    }
+}
+
 impl How {
-    /// Lets a pilot on so many threads (0: one per core) choose the estimator, if none is named; says why, in one line.
+    /// Lets a pilot on so many threads (0: one per core) choose the estimator, if none is named.
     pub fn choose(
         &self,
         settings: &mut Settings,
         scene: &Scene<'_>,
         threads: usize,
-    ) -> Result<Option<String>, RenderError> {
+        time: Option<Duration>,
+    ) -> Result<Option<Choice>, RenderError> {
         if self.estimator != EstimatorName::Auto {
             return Ok(None);
         }
-        let found = pilot(scene, settings, Crew::Own(threads))?;
+        let begun = Instant::now();
+        let found = pilot(scene, settings, Crew::Own(threads), time)?;
+        let seconds = begun.elapsed().as_secs_f64();
         let Some(best) = found.first() else {
             return Ok(None);
         };
         settings.estimator = best.estimator;
-        let Some(second) = found.get(1) else {
-            let name = name(best.estimator);
-            return Ok(Some(format!(
-                "{name}: the other one can't make all of this scene's light"
-            )));
-        };
-        let of = |f: &Found| {
-            format!(
-                "{} has an error of {:.2e} at {:.1} rays a sample",
-                name(f.estimator),
-                f.mse,
-                f.cost
-            )
-        };
-        if best.mse <= 0.0 {
-            let (name, best, second) = (name(best.estimator), of(best), of(second));
-            return Ok(Some(format!(
-                "{name}: by a pilot without error ({best}; {second})"
-            )));
-        }
-        Ok(Some(format!(
-            "{}: by a pilot {:.2} times as efficient ({}; {})",
-            name(best.estimator),
-            best.efficiency() / second.efficiency(),
-            of(best),
-            of(second)
-        )))
+        Ok(Some(Choice {
+            name: name(best.estimator),
+            why: why(best, found.get(1)),
+            cost: best.cost,
+            rays: found.iter().map(|f| f.rays).sum(),
+            seconds,
+        }))
     }
 
     /// The kernel's settings; `auto` is `path`, unless [`Self::choose`] is asked. With what the scene's file advises on the length of paths.

@@ -147,14 +147,21 @@ impl Render {
         let mut settings = self.how.settings(prepared.advice.max_depth);
         let failed = |e: RenderError| format!("{}: {e}", self.scene.display());
         let threads = self.threads.unwrap_or(0) as usize;
-        let chosen = self.how.choose(&mut settings, &scene, threads);
+        let budget = self.budget(prepared.advice.samples);
+        let time = match budget {
+            Budget::Time(time) => Some(time),
+            Budget::Error { time, .. } => time,
+            Budget::Passes(_) => None,
+        };
+        let chosen = self.how.choose(&mut settings, &scene, threads, time);
         let chosen = chosen.map_err(failed)?;
-        if let Some(why) = chosen.as_ref().filter(|_| !self.quiet) {
-            eprintln!("{why}");
+        let pixels = scene.size().map(|n| n as usize).iter().product();
+        if let Some(choice) = chosen.as_ref().filter(|_| !self.quiet) {
+            eprintln!("{}", choice.line(Some((budget, pixels))));
         }
         let options = Options {
             settings,
-            budget: self.budget(prepared.advice.samples),
+            budget,
             threads,
             device: match self.device {
                 DeviceName::Cpu => Device::Cpu,
@@ -172,7 +179,15 @@ impl Render {
             pixels: rendered.image.clone(),
         };
         write(&outputs, &image, self.screen.tone())?;
-        self.report(&rendered, &unreachable(&scene, &options.settings))?;
+        let pilot = chosen.map(|c| {
+            serde_json::json!({
+                "chosen": c.name,
+                "seconds": c.seconds,
+                "rays": c.rays,
+                "share": c.share(budget, pixels),
+            })
+        });
+        self.report(&rendered, pilot, &unreachable(&scene, &options.settings))?;
         if rendered.interrupted {
             Err(Failure::Interrupted)
         } else {
@@ -191,7 +206,12 @@ impl Render {
         bar
     }
 
-    fn report(&self, r: &Rendered, unreachable: &[String]) -> Result<(), Failure> {
+    fn report(
+        &self,
+        r: &Rendered,
+        pilot: Option<serde_json::Value>,
+        unreachable: &[String],
+    ) -> Result<(), Failure> {
         let samples = r.passes * r.image.len() as u64;
         let rays = r.counters.rays();
         let per_second = |n: u64| n as f64 / r.seconds.max(1e-9);
@@ -210,6 +230,7 @@ impl Render {
                 "rays_per_second": per_second(rays),
                 "mean_rgb": mean,
                 "interrupted": r.interrupted,
+                "pilot": pilot,
                 "unreachable": unreachable,
                 "accuracy": r.accuracy.map(|a| serde_json::json!({
                     "asked": a.asked,

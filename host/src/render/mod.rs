@@ -26,7 +26,7 @@ pub use chains::ChainReport;
 pub use crew::{Crew, Run, on_threads};
 #[cfg(feature = "program")]
 pub use double::render_double;
-pub use pilot::{Found, pilot};
+pub use pilot::{Found, MOST_TIME, pilot};
 
 use crate::memory::attempt;
 use crew::each_once;

@@ -16,14 +16,21 @@ use crate::reach::unreachable;
 use etendue::random::{Pcg, Purpose, Sampler, Sequence};
 use etendue::{Estimator, Rgb, Scene, Scratch, Settings};
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 /// Who competes, unless one makes light that the other can't: those that make all light of most scenes, and whose samples are independent. Chains' aren't, and a short pilot can't tell how much they
 /// depend on each other.
 const CANDIDATES: [Estimator; 2] = [Estimator::Path, Estimator::Bidirectional];
-/// Pixels that are looked at, unless their rays come to more than the most before: a pilot is to take a second, not the render's time.
+/// Pixels that are looked at, unless their rays come to more than so many before.
 const PIXELS: u64 = 1 << 15;
-const FEWEST_PIXELS: u64 = 1 << 10;
-const MOST_RAYS: u64 = 1 << 20;
+const ENOUGH_RAYS: u64 = 1 << 20;
+/// Where a sample is long, fewer pixels than this are too few, and there are more rays, up to a bound: that of the pilot's share of a render of 30 s, for one
+/// candidate of two and at 2.8 million rays a second, which one core makes. Connections that roulette leaves out have no rays and aren't counted: where they are all
+/// that walks of thousands of edges do, `bidirectional` takes longer, and looks cheaper than it is.
+const FEW_PIXELS: u64 = 1 << 10;
+const MOST_RAYS: u64 = 1 << 21;
+/// The most of a render's time that a pilot takes, where the render has a time.
+pub const MOST_TIME: f64 = 0.05;
 /// Of this number and more are the samples of the pilot: no render gets there.
 const FIRST: u64 = 1 << 48;
 
@@ -36,6 +43,12 @@ pub struct Found {
     pub mse: f64,
     /// Rays of a sample: counts, not times, so that the choice and with it the image is the same each time.
     pub cost: f64,
+    /// Whether it met any light.
+    pub bright: bool,
+    /// Samples that were taken; 0 if there was nothing to choose.
+    pub samples: u64,
+    /// Their rays.
+    pub rays: u64,
 }
 
 impl Found {
@@ -45,7 +58,8 @@ impl Found {
     }
 }
 
-/// What the pilot found of all candidates, the best first; ties in their own order.
+/// What the pilot found of all candidates, the best first; ties in their own order. With a render's `time`, it ends at [`MOST_TIME`] of that, even if that is early;
+/// then what is found depends on the machine.
 ///
 /// # Errors
 /// If there are no threads.
@@ -53,6 +67,7 @@ pub fn pilot(
     scene: &Scene<'_>,
     settings: &Settings,
     crew: Crew<'_>,
+    time: Option<Duration>,
 ) -> Result<Vec<Found>, RenderError> {
     // The variance of a sample is that of independent ones: Sobol' points know of each other.
     let with = |estimator| Settings {
@@ -64,29 +79,42 @@ pub fn pilot(
     let complete =
         |e: Estimator| e == Estimator::Bidirectional || unreachable(scene, &with(e)).is_empty();
     let candidates: Vec<_> = CANDIDATES.into_iter().filter(|&e| complete(e)).collect();
+    if let &[estimator] = candidates.as_slice() {
+        return Ok(vec![Found {
+            estimator,
+            mse: 0.0,
+            cost: 0.0,
+            bright: false,
+            samples: 0,
+            rays: 0,
+        }]);
+    }
+    // Each has its part of the time, as there may be one thread for all.
+    let part = MOST_TIME / candidates.len() as f64;
+    let time = time.map(|t| t.mul_f64(part));
     let pilots: Vec<_> = candidates.iter().map(|_| OnceLock::new()).collect();
     crew.employ(|run| {
         each_once(run, pilots.len(), &|i| {
-            let _ = pilots[i].set(found(scene, &with(candidates[i])));
+            let _ = pilots[i].set(found(scene, &with(candidates[i]), time));
         })
     })?;
     let mut all: Vec<Found> = pilots
         .into_iter()
         .filter_map(OnceLock::into_inner)
         .collect();
-    // Stable, and NaN (no error at no cost) counts as the best there is.
-    let rank = |f: &Found| {
-        if f.mse > 0.0 {
-            f.efficiency()
-        } else {
-            f64::INFINITY
-        }
+    // Who met no light where the other did has no error because it missed all. Stable, and NaN (no error at no cost) counts as the best there is.
+    let any = all.iter().any(|f| f.bright);
+    let rank = |f: &Found| match (any && !f.bright, f.mse > 0.0) {
+        (true, _) => 0.0,
+        (false, true) => f.efficiency(),
+        (false, false) => f64::INFINITY,
     };
     all.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
     Ok(all)
 }
 
-fn found(scene: &Scene<'_>, settings: &Settings) -> Found {
+fn found(scene: &Scene<'_>, settings: &Settings, time: Option<Duration>) -> Found {
+    let begun = Instant::now();
     let [width, height] = scene.size();
     let mut scratch = Box::new(Scratch::<CAPACITY>::new());
     let square = |v: Rgb| {
@@ -96,8 +124,13 @@ fn found(scene: &Scene<'_>, settings: &Settings) -> Found {
             .sum::<f64>()
             / 3.0
     };
-    let (mut sum, mut done) = (0.0, 0);
-    while done < FEWEST_PIXELS || done < PIXELS && scratch.counters.rays() < MOST_RAYS {
+    let (mut sum, mut done, mut bright) = (0.0, 0, false);
+    let goes_on = |done: u64, rays: u64| {
+        let wanted = done < PIXELS && rays < ENOUGH_RAYS || done < FEW_PIXELS && rays < MOST_RAYS;
+        // One at least, however short the time.
+        done == 0 || wanted && time.is_none_or(|t| begun.elapsed() < t)
+    };
+    while goes_on(done, scratch.counters.rays()) {
         let i = done;
         // Spread evenly: the golden ratio's multiples along the image, at random across.
         let x = f64::from(Pcg::new(settings.seed, FIRST, i).one(Purpose::Filter));
@@ -115,11 +148,15 @@ fn found(scene: &Scene<'_>, settings: &Settings) -> Found {
         let squares = (0..3).map(|c| f64::from(a[c] - b[c]).powi(2));
         let own = squares.sum::<f64>() / 3.0;
         sum += 0.5 * own + splats;
+        bright |= splats > 0.0 || [a, b].as_flattened().iter().any(|&x| x != 0.0);
         done += 1;
     }
     Found {
         estimator: settings.estimator,
         mse: sum / done as f64,
         cost: scratch.counters.rays() as f64 / (2 * done) as f64,
+        bright,
+        samples: 2 * done,
+        rays: scratch.counters.rays(),
     }
 }

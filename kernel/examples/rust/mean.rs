@@ -1,5 +1,6 @@
 //! The kernel alone, with whatever features it is built with: mean SCENE.etd path|light|bidirectional|metropolis SAMPLES [sobol]
-//! renders the scene so often and prints the image's mean.
+//! renders the scene so often and prints the image's mean. Of metropolis, that of as many steps of some chains, which isn't the image's: they count for what they
+//! cost.
 use etendue::random::Sequence;
 use etendue::{Estimator, Scene, Scratch, Settings};
 
@@ -40,7 +41,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             *sum += f64::from(x);
         }
     };
-    for y in 0..height {
+    #[cfg(feature = "metropolis")]
+    let rows = if settings.estimator == Estimator::Metropolis {
+        // A chain for each row, from a sample that meets light.
+        let mut view = scratch.view(&scene);
+        let starts = (0..1 << 20).filter(|&i| scene.bootstrap(&settings, i, &mut view) > 0.0);
+        let starts: Vec<u64> = starts.take(height as usize).collect();
+        for (id, index) in (0..).zip(starts) {
+            let mut chain = etendue::estimate::Chain::<16>::new();
+            chain.start(&scene, &settings, id, index, &mut view);
+            let steps = u64::from(width) * samples;
+            chain.advance(&scene, &settings, 1.0, steps, &mut view, &mut add);
+        }
+        0
+    } else {
+        height
+    };
+    #[cfg(not(feature = "metropolis"))]
+    let rows = height;
+    for y in 0..rows {
         for x in 0..width {
             for index in 0..samples {
                 let own = scene.estimate(&settings, [x, y], index, &mut scratch, &mut add);
