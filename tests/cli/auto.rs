@@ -61,12 +61,12 @@ fn pilots_are_short_beside_a_render_of_30_seconds() {
     for scene in ["room", "slab-thick", "mirror-hall"] {
         let found = candidates(scene, None);
         // A pair of samples may begin just before the end.
-        let whole = |f: &Found| f.rays as f64 - 2.0 * f.cost.max(1e5);
+        let whole = |f: &Found| f.pilot.rays as f64 - 2.0 * f.pilot.cost().max(1e5);
         let rays: f64 = found.iter().map(whole).sum();
         for f in &found {
             println!("{scene}: {f:?}");
-            longest = longest.max(f.cost);
-            assert!(f.samples >= 64, "{scene}: {f:?}");
+            longest = longest.max(f.pilot.cost());
+            assert!(f.pilot.samples >= 64, "{scene}: {f:?}");
         }
         assert!(rays <= MOST_TIME * RAYS, "{scene}: {rays}");
     }
@@ -79,10 +79,10 @@ fn pilots_are_short_beside_a_render_of_30_seconds() {
 fn pilots_of_timed_renders_end_by_time() {
     for scene in ["room", "slab-thick"] {
         for f in candidates(scene, Some(Duration::ZERO)) {
-            assert_eq!(f.samples, 2, "{scene}: {f:?}");
+            assert_eq!(f.pilot.samples, 2, "{scene}: {f:?}");
         }
         for f in candidates(scene, Some(Duration::from_secs(1 << 20))) {
-            assert!(f.samples > 2, "{scene}: {f:?}");
+            assert!(f.pilot.samples > 2, "{scene}: {f:?}");
         }
     }
 }

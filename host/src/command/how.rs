@@ -226,20 +226,20 @@ fn why(best: &Found, second: Option<&Found>) -> String {
         format!(
             "{} has an error of {:.2e} at {:.1} rays a sample",
             name(f.estimator),
-            f.mse,
-            f.cost
+            f.pilot.mse(),
+            f.pilot.cost()
         )
     };
     let (first, other) = (of(best), of(second));
-    if best.bright && !second.bright {
+    if best.pilot.bright && !second.pilot.bright {
         format!(
             "by a pilot in which {} met no light ({first})",
             name(second.estimator)
         )
-    } else if best.mse <= 0.0 {
+    } else if best.pilot.mse() <= 0.0 {
         format!("by a pilot without error ({first}; {other})")
     } else {
-        let times = best.efficiency() / second.efficiency();
+        let times = best.pilot.efficiency() / second.pilot.efficiency();
         format!("by a pilot {times:.2} times as efficient ({first}; {other})")
     }
 }
@@ -266,8 +266,8 @@ impl How {
         Ok(Some(Choice {
             name: name(best.estimator),
             why: why(best, found.get(1)),
-            cost: best.cost,
-            rays: found.iter().map(|f| f.rays).sum(),
+            cost: best.pilot.cost(),
+            rays: found.iter().map(|f| f.pilot.rays).sum(),
             seconds,
         }))
     }
