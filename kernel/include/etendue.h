@@ -387,6 +387,20 @@ typedef struct EtdSum {
     uint64_t words[6];
 } EtdSum;
 
+// What a pilot found of an estimator. All 0 but `struct_size` before the first call.
+typedef struct EtdPilot {
+    // sizeof(EtdPilot).
+    uint32_t struct_size;
+    // Whether a sample met light: 0 or 1. Where another estimator's did, one without any has missed it.
+    uint32_t bright;
+    // Squared error of all samples together, mean over channels, radiance².
+    double squared_error;
+    // Samples taken.
+    uint64_t samples;
+    // Their rays.
+    uint64_t rays;
+} EtdPilot;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -513,6 +527,18 @@ EtdStatus etd_render_film(const struct EtdScene *scene,
                           struct EtdSum *splats,
                           size_t pixels);
 
+// Adds to `*sum` what pixels number `first` to `first + count` of a pilot say of `with->estimator`: two samples each of pixels all over the image, with numbers that no
+// render has. An image of as many samples per pixel has `squared_error`/`samples` as its mean squared error after one pass, and a sample costs
+// `rays`/`samples`: choose the estimator whose product of both is least; a few thousand pixels tell. No splats are reported; `hooks` may be null.
+// Cancelled: what has been done is in `*sum`.
+EtdStatus etd_pilot(const struct EtdScene *scene,
+                    const struct EtdSettings *with,
+                    const struct EtdHooks *hooks,
+                    struct EtdScratch *memory,
+                    uint64_t first,
+                    uint32_t count,
+                    struct EtdPilot *sum);
+
 // Bytes of memory that a chain needs.
 size_t etd_chain_size(void);
 
@@ -585,8 +611,8 @@ EtdStatus etd_film_resolve(const struct EtdScene *handle,
 #define ETD_ASSERT(holds) typedef char EtdAssert[(holds) ? 1 : -1]
 #endif
 ETD_ASSERT(sizeof(EtdSettings) == 72 && sizeof(EtdTile) == 32 && sizeof(EtdSamples) == 24 && sizeof(EtdCounters) == 56 &&
-           sizeof(EtdRay) == 40 && sizeof(EtdHit) == 20 && sizeof(EtdSum) == 48 && sizeof(EtdBlobError) == 16 &&
-           sizeof(EtdSceneInfo) == 64 && sizeof(EtdHooks) == 8 + 6 * sizeof(void *) &&
+           sizeof(EtdRay) == 40 && sizeof(EtdHit) == 20 && sizeof(EtdSum) == 48 && sizeof(EtdPilot) == 32 &&
+           sizeof(EtdBlobError) == 16 && sizeof(EtdSceneInfo) == 64 && sizeof(EtdHooks) == 8 + 6 * sizeof(void *) &&
            ETD_SCENE_SIZE % ETD_SCENE_ALIGN == 0);
 #undef ETD_ASSERT
 #endif
