@@ -81,7 +81,6 @@ fn the_sky_through_what_absorbs() {
 }
 
 #[test]
-#[ignore = "light walks from afar are joined to an irradiance sensor or a ray as if these stood in the camera's medium"]
 fn the_sky_by_light_walks_within_what_absorbs() {
     let [_, within] = PLACES;
     the_sky(Estimator::Light, within);

@@ -123,7 +123,7 @@ pub(super) fn see_light<T: Tracer, K: Instance, P: Sampler>(
             t_min: 0.0,
             t_max: Real::INFINITY,
         };
-        (projection, 1.0, ray, trace.scene.sensor().medium)
+        (projection, 1.0, ray, super::surroundings(trace, element))
     } else {
         let projection = element.project(&trace.scene, emission.position, lens)?;
         let cos = emission.normal.map_or(1.0, |n| n.dot(projection.direction));
