@@ -12,7 +12,7 @@
 
 use etendue::Scene;
 use etendue::blob::format::{Material, NONE, emitter, material, medium, sensor};
-use etendue::estimate::{Estimator, Settings};
+use etendue::estimate::{Estimator, LEVELS, Settings};
 
 /// What of a scene decides which paths there are.
 #[derive(Clone, Copy, Debug, Default)]
@@ -136,6 +136,13 @@ pub fn unreachable(scene: &Scene<'_>, settings: &Settings) -> Vec<String> {
             }
             if facts.smooth && settings.max_edges.is_none_or(|n| n > 2) {
                 out.push("light that surfaces or media have scattered twice or more is missing, but by mirrors and smooth glass on the way to the sensor: choose quadrature+path".into());
+            }
+            // Nor has scratch room for more than levels.
+            let most = u32::from(settings.rule.depth).min(LEVELS as u32);
+            if facts.dirac && settings.max_edges.is_none_or(|n| n > most + 1) {
+                out.push(format!(
+                    "what is seen by more than {most} mirrors or faces of glass, one after the other, is missing: choose quadrature+path"
+                ));
             }
         }
         _ => {}

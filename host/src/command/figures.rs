@@ -2,12 +2,12 @@
 
 mod manifest;
 
-use super::render::{DEFAULT_SAMPLES, catch_interrupt, losses};
+use super::render::{DEFAULT_SAMPLES, catch_interrupt};
 use super::{Failure, warn};
 use crate::develop::{AS_IT_IS, Format, Linear, Output, Picture, sheet, write};
-use crate::render::{Budget, Device, Options, Rendered, render};
+use crate::render::{Budget, Device, Options, Rendered, losses, render};
 use crate::scene::{Changes, Prepared, prepare};
-use etendue::{Scene, Settings};
+use etendue::{Estimator, Scene, Settings};
 use manifest::Entry;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -168,7 +168,8 @@ impl Figures {
             return Err(Failure::Interrupted);
         }
         if !self.quiet {
-            report(&panel.scene, &rendered, [number, all]);
+            let estimator = ready.settings.estimator;
+            report(&panel.scene, &rendered, estimator, [number, all]);
         }
         let picture = Picture {
             image: Linear {
@@ -188,12 +189,13 @@ fn open(prepared: &Prepared) -> Result<Scene<'_>, String> {
     Scene::open(prepared.blob.bytes()).map_err(|e| e.to_string())
 }
 
-fn report(scene: &Path, r: &Rendered, [number, all]: [usize; 2]) {
+fn report(scene: &Path, r: &Rendered, estimator: Estimator, [number, all]: [usize; 2]) {
     let scene = scene.display();
     eprintln!(
         "{number}/{all} {scene}: {} × {}, {} samples per pixel in {:.1} s",
         r.size[0], r.size[1], r.passes, r.seconds
     );
-    let losses: Vec<_> = losses(r).iter().map(|l| format!("{scene}: {l}")).collect();
+    let losses = losses(r, estimator);
+    let losses: Vec<_> = losses.iter().map(|l| format!("{scene}: {l}")).collect();
     warn(&losses);
 }

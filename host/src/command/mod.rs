@@ -8,7 +8,7 @@ mod chart;
 mod compare;
 mod compile;
 mod figures;
-mod how;
+pub(crate) mod how;
 mod inspect;
 mod reading;
 mod render;

@@ -6,7 +6,9 @@ use super::screen::Screen;
 use super::{Failure, print, warn};
 use crate::develop::{Linear, Output, write};
 use crate::reach::unreachable;
-use crate::render::{Budget, CONFIDENCE, Device, Options, Progress, RenderError, Rendered, render};
+use crate::render::{
+    Budget, CONFIDENCE, Device, Options, Progress, RenderError, Rendered, doubts, render,
+};
 use crate::scene::{Changes, prepare};
 use clap::ValueEnum;
 use etendue::Scene;
@@ -187,7 +189,13 @@ impl Render {
                 "share": c.share(budget, pixels),
             })
         });
-        self.report(&rendered, pilot, &unreachable(&scene, &options.settings))?;
+        let (r, settings) = (&rendered, &options.settings);
+        // Of finer rules nobody asks who doesn't listen.
+        let doubts = match self.quiet {
+            true => Vec::new(),
+            false => doubts(&scene, settings, r),
+        };
+        self.report(r, pilot, &doubts, &unreachable(&scene, settings))?;
         if rendered.interrupted {
             Err(Failure::Interrupted)
         } else {
@@ -210,6 +218,7 @@ impl Render {
         &self,
         r: &Rendered,
         pilot: Option<serde_json::Value>,
+        doubts: &[String],
         unreachable: &[String],
     ) -> Result<(), Failure> {
         let samples = r.passes * r.image.len() as u64;
@@ -304,27 +313,11 @@ impl Render {
             );
         }
         if !self.quiet {
-            warn(&losses(r));
+            warn(doubts);
             warn(unreachable);
         }
         Ok(())
     }
-}
-
-/// What a render had to leave out, in words.
-pub(super) fn losses(r: &Rendered) -> Vec<String> {
-    let mut all = Vec::new();
-    let lost = r.counters.rejected + r.refused.saturated + r.refused.invalid;
-    if lost > 0 {
-        all.push(format!(
-            "{lost} values were not finite, negative or too large, and were left out"
-        ));
-    }
-    let (cut, steps) = (r.counters.cut_walks, etendue::path::MAX_STEPS);
-    if cut > 0 {
-        all.push(format!("{cut} walks were cut at {steps} steps"));
-    }
-    all
 }
 
 /// The first Ctrl-C ends the render after its pass; the second ends the program.

@@ -1,5 +1,6 @@
 //! `etendue stability`.
 
+use super::how::name;
 use super::{Failure, print};
 use crate::develop::{check_writable, write_files};
 use crate::stability::{Budget, Row, html, manifest, prepare, run, table};
@@ -9,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 /// Run the atlas of scenes at which methods break, and compare with what is written down
 ///
-/// Each scene of the atlas is rendered by the estimators of which the manifest states an outcome, in single and in double precision. Exits with 1
-/// if an outcome differs.
+/// Each scene of the atlas is rendered by every estimator, in single and in double precision. Exits with 1 if an outcome differs from what the manifest
+/// states.
 #[derive(clap::Args, Debug)]
 pub struct Stability {
     /// Page to write (.html), with why each outcome is expected
@@ -71,8 +72,8 @@ impl Stability {
             scale: self.spp_scale,
             seed: self.seed,
         };
-        let rows = run(&ready, &budget, &|name, method| {
-            bar.set_message(format!("{name}, {}", method.name()));
+        let rows = run(&ready, &budget, &|case, estimator| {
+            bar.set_message(format!("{case}, {}", name(estimator)));
             bar.inc(1);
         })?;
         bar.finish_and_clear();
@@ -122,7 +123,7 @@ fn json(rows: &[Row]) -> String {
         let m = &r.found.single;
         serde_json::json!({
             "case": r.case.name,
-            "estimator": r.method().name(),
+            "estimator": r.name(),
             "expected": r.expected.what.to_string(),
             "why": r.expected.why,
             "found": r.outcome.to_string(),
@@ -135,14 +136,21 @@ fn json(rows: &[Row]) -> String {
             "mean_f64": r.found.double.mean.map(|e| e.mean),
             "z": if r.z.is_finite() { serde_json::json!(r.z) } else { serde_json::json!(null) },
             "p": r.p,
+            "energy": r.found.energy(&r.case).map(|e| serde_json::json!({
+                "over_truth": e.value,
+                "low": e.low,
+                "high": e.high,
+            })),
             "f32_over_f64_minus_1": r.single_over_double,
             "tail_index": m.tail.index,
             "largest_over_mean": m.tail.largest,
             "largest_share": m.tail.share,
-            "samples": m.samples,
+            "top_share": m.tail.top,
+            "samples": m.tail.samples,
             "samples_alive": m.tail.alive,
             "unreachable": r.found.unreachable,
             "refused": r.found.refused,
+            "warnings": r.found.warnings.iter().chain(&r.found.loss).collect::<Vec<_>>(),
             "diagnostics": {
                 "rejected_values": m.rejected,
                 "walks_cut_by_step_limit": m.cut,

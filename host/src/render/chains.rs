@@ -10,6 +10,7 @@ use super::crew::{Run, each_once};
 use super::{CAPACITY, Course, Job, Progress, RenderError, Rendered, Worker, add_up, lock};
 use crate::memory::attempt;
 use crate::render::Budget;
+use crate::statistics::Tail;
 use etendue::estimate::Chain;
 use etendue::film::{Refused, Step, Sum, merge};
 use etendue::random::{Pcg, Purpose, Sampler};
@@ -292,6 +293,7 @@ pub(super) fn render(
     let mut mean = Mean::default();
     let estimates = plan.bootstrap(run, first)?;
     estimates.iter().for_each(|&e| mean.add(step, e));
+    let tail = Tail::of(&estimates);
     let mut starts = Starts::new(&estimates);
     let dark = starts.total() <= 0.0;
     plan.scale = mean.value(step);
@@ -329,6 +331,7 @@ pub(super) fn render(
     let (value, done) = (mean.value(step), course.done);
     let (mut rendered, splats) = course.collect(job.size);
     rendered.refused += mean.refused;
+    rendered.tail = Some(tail);
     rendered.chains = Some(ChainReport {
         chains,
         bootstraps: mean.count,

@@ -323,5 +323,6 @@ pub(super) fn render(
         interrupted,
         chains: None,
         accuracy: None,
+        tail: None,
     })
 }

@@ -23,7 +23,12 @@ pub fn render_double(
 ) -> Result<Vec<[f32; 3]>, RenderError> {
     let scene = double::Scene::open(blob)
         .map_err(|_| RenderError::Estimator("double precision doesn't open this scene"))?;
-    let settings = wide(settings)?;
+    if settings.estimator == Estimator::Metropolis {
+        return Err(RenderError::Estimator(
+            "chains are rendered in single precision only",
+        ));
+    }
+    let settings = wide(settings);
     if let Some(reason) = settings.estimator.refuses(&scene) {
         return Err(RenderError::Estimator(reason));
     }
@@ -72,9 +77,9 @@ fn pass(scene: &double::Scene<'_>, settings: &double::Settings, index: u64, sums
     }
 }
 
-/// The same settings.
-fn wide(s: &Settings) -> Result<double::Settings, RenderError> {
-    Ok(double::Settings {
+/// The same settings for the kernel in double precision.
+pub(crate) fn wide(s: &Settings) -> double::Settings {
+    double::Settings {
         estimator: match s.estimator {
             Estimator::Path => double::Estimator::Path,
             Estimator::Light => double::Estimator::Light,
@@ -82,11 +87,7 @@ fn wide(s: &Settings) -> Result<double::Settings, RenderError> {
             Estimator::Distributed => double::Estimator::Distributed,
             Estimator::Quadrature => double::Estimator::Quadrature,
             Estimator::QuadratureAndPath => double::Estimator::QuadratureAndPath,
-            Estimator::Metropolis => {
-                return Err(RenderError::Estimator(
-                    "chains are rendered in single precision only",
-                ));
-            }
+            Estimator::Metropolis => double::Estimator::Metropolis,
         },
         heuristic: match s.heuristic {
             Heuristic::Balance => double::Heuristic::Balance,
@@ -111,6 +112,11 @@ fn wide(s: &Settings) -> Result<double::Settings, RenderError> {
             depth: s.rule.depth,
             shift: s.rule.shift,
         },
-        ..double::Settings::default()
-    })
+        mutations: double::estimate::Mutations {
+            large: s.mutations.large.into(),
+            view: s.mutations.view.into(),
+            size: s.mutations.size.into(),
+        },
+        explicit_weights: s.explicit_weights,
+    }
 }

@@ -11,6 +11,7 @@ mod crew;
 mod cuda;
 #[cfg(feature = "program")]
 mod double;
+pub(crate) mod doubts;
 mod pilot;
 mod rates;
 mod splats;
@@ -26,12 +27,16 @@ pub use chains::ChainReport;
 pub use crew::{Crew, Run, on_threads};
 #[cfg(feature = "program")]
 pub use double::render_double;
+#[cfg(feature = "program")]
+pub(crate) use double::wide;
+pub use doubts::{doubts, losses};
 pub use pilot::{Found, MOST_TIME, pilot};
 
 use crate::memory::attempt;
+use crate::statistics::{Heaviest, Tail};
 use crew::each_once;
 use etendue::film::{Refused, Step, Sum, merge};
-use etendue::{Counters, Estimator, Scene, Scratch, Settings};
+use etendue::{Counters, Estimator, Rgb, Scene, Scratch, Settings};
 use rates::Rates;
 use splats::Splats;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -86,6 +91,9 @@ pub struct Rendered {
     pub chains: Option<ChainReport>,
     /// How accurate it is, if it was to be accurate.
     pub accuracy: Option<Accuracy>,
+    /// What its samples' contributions are like; of chains, of those that they started from at first. `None` where that isn't looked at: on GPUs, and where pixels have
+    /// samples of different weight.
+    pub tail: Option<Tail>,
 }
 
 /// How far a render is.
@@ -131,6 +139,7 @@ pub enum RenderError {
 struct Worker {
     scratch: Box<Scratch<CAPACITY>>,
     splats: Splats,
+    heaviest: Heaviest,
     /// What samples' own pixels could not take.
     refused: Refused,
 }
@@ -141,6 +150,12 @@ struct Job<'a> {
     settings: Settings,
     step: Step,
     size: [u32; 2],
+}
+
+/// What a contribution counts for.
+fn grey(value: Rgb) -> f32 {
+    let [r, g, b] = value.to_array();
+    r + g + b
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -237,6 +252,7 @@ struct Course {
     interrupted: bool,
     counters: Counters,
     refused: Refused,
+    heaviest: Heaviest,
     /// As many workers as threads were ever busy at once: the caller's may be any number.
     idle: Mutex<Vec<Worker>>,
 }
@@ -251,6 +267,7 @@ impl Course {
             interrupted: false,
             counters: Counters::default(),
             refused: Refused::default(),
+            heaviest: Heaviest::default(),
             idle: Mutex::new(Vec::new()),
         }
     }
@@ -275,6 +292,7 @@ impl Course {
             let (film, refused) = worker.splats.finish();
             self.refused += worker.refused;
             self.refused += refused;
+            self.heaviest.merge(&worker.heaviest);
             splats.push(film);
         }
         splats
@@ -293,6 +311,7 @@ impl Course {
             interrupted: self.interrupted,
             chains: None,
             accuracy: None,
+            tail: Some(self.heaviest.tail()),
         };
         (rendered, splats)
     }
@@ -412,6 +431,7 @@ impl Worker {
         Ok(Self {
             scratch: Box::new(Scratch::new()),
             splats: Splats::new(job.step, job.size, wanted)?,
+            heaviest: Heaviest::default(),
             refused: Refused::default(),
         })
     }
@@ -427,17 +447,23 @@ impl Worker {
         let Self {
             scratch,
             splats,
+            heaviest,
             refused,
         } = self;
         let step = job.step;
         for (pixel, sum) in tile.pixels() {
             let samples = rates.count(pixel, passes.start)..rates.count(pixel, passes.end);
             for index in samples {
-                let splat = &mut |pixel, value| splats.add(pixel, value);
+                let mut all = 0.0;
+                let splat = &mut |pixel, value: Rgb| {
+                    all += grey(value);
+                    splats.add(pixel, value);
+                };
                 let value = job
                     .scene
                     .estimate(&job.settings, pixel, index, scratch, splat);
                 step.add(sum, value, refused);
+                heaviest.add(all + grey(value));
             }
         }
     }

@@ -150,6 +150,7 @@ pub(super) fn render(
     let energy = squares.sum::<f64>() / (3 * image.len()) as f64;
     rendered.passes = all / image.len() as u64;
     rendered.image = image;
+    rendered.tail = None;
     rendered.accuracy = Some(Accuracy {
         asked,
         found: relative(variance, energy - variance),

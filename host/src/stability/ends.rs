@@ -1,4 +1,5 @@
-//! ξ at 0 and just below 1: whatever an estimator draws, nothing may be non-finite, and nothing may hang.
+//! ξ at 0 and just below 1: whatever an estimator draws, nothing may be non-finite, and nothing may hang. Chains are asked for samples, which are those
+//! of bidirectional: their own numbers come from within the kernel.
 
 macro_rules! ends {
     ($name:ident, $kernel:ident) => {

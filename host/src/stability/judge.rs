@@ -1,8 +1,9 @@
 //! What was found against what is written down.
 
-use super::manifest::{Case, Expectation, Expected};
-use super::measure::{Measured, Method};
-use crate::statistics::{Estimate, FEWEST_ALIVE};
+use super::manifest::{Beside, Case, Expectation, Expected};
+use super::measure::Measured;
+use super::sampling::PARTS;
+use crate::statistics::{Estimate, Interval, student_quantile};
 
 /// What was measured of one estimator on one case.
 #[derive(Clone, Debug, Default)]
@@ -11,10 +12,20 @@ pub struct Found {
     pub refused: Option<&'static str>,
     /// The light paths that it can't make.
     pub unreachable: Vec<String>,
+    /// What it says of walks that were cut.
+    pub loss: Option<String>,
+    /// What the render itself has reason to doubt.
+    pub warnings: Vec<String>,
     /// In single precision.
     pub single: Measured,
     /// In double precision, the same samples.
     pub double: Measured,
+    /// In single precision, the scene without what the program adds to it.
+    pub plain: Measured,
+    /// Means of the batches' clipped contributions, in single and in double precision.
+    pub clipped: [Vec<f64>; 2],
+    /// The image in parts: by chains, and by samples of bidirectional.
+    pub parts: Option<[[Estimate; PARTS]; 2]>,
     /// Violations where ξ is at its ends, in single and in double precision.
     pub ends: [u64; 2],
     /// Channels that are compared.
@@ -30,9 +41,27 @@ impl Found {
         }
     }
 
-    /// How many p-values it is judged by: against the truth, and one precision against the other.
+    /// How many p-values it is judged by: against the truth, one precision against the other, chains' parts against samples'. A bias is judged twice, for being there
+    /// and for its size.
     pub fn comparisons(&self) -> usize {
-        2 * self.channels
+        3 * self.channels + self.parts.map_or(0, |[parts, _]| parts.len())
+    }
+
+    /// Energy that arrives over energy that should, and the 95 % interval of that.
+    pub fn energy(&self, case: &Case) -> Option<Interval> {
+        let truth: f64 = case.truth.value.iter().sum();
+        let batches = self.single.batches.get(..self.channels)?;
+        let count = batches.first()?.len();
+        let sums: Vec<f64> = (0..count)
+            .map(|i| batches.iter().map(|b| b[i]).sum::<f64>() / truth)
+            .collect();
+        let ratio = Estimate::of(&sums);
+        let half = student_quantile(count as f64 - 1.0) * ratio.error;
+        (count > 1).then_some(Interval {
+            value: ratio.mean,
+            low: ratio.mean - half,
+            high: ratio.mean + half,
+        })
     }
 }
 
@@ -68,44 +97,111 @@ pub struct Row {
     pub z: f64,
     /// And its p-value.
     pub p: f64,
-    /// f32 over f64, minus 1, in the worst channel.
+    /// f32 over f64, minus 1, in the worst channel; of contributions clipped at their mean where few carry it all.
     pub single_over_double: f64,
     /// What differs from what is written down; empty: nothing.
     pub differs: Vec<String>,
 }
 
-/// The largest contribution's share of their sum beyond which it dominates.
-const DOMINATES: f64 = 0.1;
-/// Below this tail index variance counts as infinite (2), less what Hill's estimate of a few hundred contributions may err.
-const HEAVY: f64 = 1.8;
-/// Relative difference of f32 and f64 that is rounding.
-const ROUNDING: f64 = 1e-4;
+/// How far off something is.
+#[derive(Clone, Copy, Debug)]
+struct Off {
+    z: f64,
+    p: f64,
+    /// Relative, if there is anything to be relative to.
+    bias: f64,
+    /// Its standard error.
+    error: f64,
+}
 
-/// Judges; `limit` is the smallest p-value that chance may have.
-pub fn judge(case: &Case, expected: &Expected, found: Found, limit: f64) -> Row {
-    let (mut z, mut p, mut bias): (f64, f64, f64) = (0.0, 1.0, 0.0);
-    let (mut apart, mut apart_p): (f64, f64) = (0.0, 1.0);
-    for (c, &truth) in case.truth.value.iter().enumerate().take(found.channels) {
-        let mean = found.single.mean[c];
-        let here = mean.z(truth, case.truth.uncertainty * truth.abs());
-        if mean.p(here) <= p {
-            (z, p) = (here, mean.p(here));
-            bias = if truth == 0.0 {
-                mean.mean
-            } else {
-                mean.mean / truth - 1.0
-            };
-        }
-        let (relative, probability) = precisions(&found, c);
-        if relative.abs() >= apart.abs() {
-            (apart, apart_p) = (relative, probability);
+impl Off {
+    const NONE: Self = Self {
+        z: 0.0,
+        p: 1.0,
+        bias: 0.0,
+        error: 0.0,
+    };
+
+    fn from(mean: &Estimate, truth: f64, uncertainty: f64) -> Self {
+        let z = mean.z(truth, uncertainty * truth.abs());
+        let scale = if truth == 0.0 { 1.0 } else { truth };
+        Self {
+            z,
+            p: mean.p(z),
+            bias: (mean.mean - truth) / scale,
+            error: mean.error / scale.abs(),
         }
     }
+
+    /// One over another minus 1. Both had the same random numbers: what differs are the differences of their batches.
+    fn between(one: &[f64], other: &[f64]) -> Self {
+        let differences: Vec<f64> = one.iter().zip(other).map(|(a, b)| a - b).collect();
+        let reference = Estimate::of(other).mean;
+        if differences.len() < 2 || reference == 0.0 {
+            return Self::NONE;
+        }
+        let difference = Estimate::of(&differences);
+        let z = difference.z(0.0, 0.0);
+        Self {
+            z,
+            p: difference.p(z),
+            bias: difference.mean / reference,
+            error: difference.error / reference.abs(),
+        }
+    }
+
+    /// The less probable of two.
+    fn worse(self, other: Self) -> Self {
+        if other.p <= self.p { other } else { self }
+    }
+
+    /// Whether it is clearly not within a stated range.
+    fn is_beyond(&self, by: f64, within: f64, limit: f64) -> bool {
+        let (bias, count) = (self.bias, super::measure::BATCHES as usize);
+        let estimate = Estimate {
+            mean: bias,
+            error: self.error,
+            count,
+        };
+        estimate.p(estimate.z(by, within)) < limit
+    }
+}
+
+fn channels(found: &Found, off: impl Fn(usize) -> Off) -> Off {
+    (0..found.channels).map(off).fold(Off::NONE, Off::worse)
+}
+
+/// Judges; `limit` is the smallest p-value that chance may have. `warnings`: of compiling the scene.
+pub fn judge(
+    case: &Case,
+    expected: &Expected,
+    found: Found,
+    warnings: &[String],
+    limit: f64,
+) -> Row {
+    let truth = &case.truth;
+    let from_truth = |m: &Measured| {
+        channels(&found, |c| {
+            Off::from(&m.mean[c], truth.value[c], truth.uncertainty)
+        })
+    };
+    let from = |other: &Measured| {
+        channels(&found, |c| {
+            Off::between(&found.single.batches[c], &other.batches[c])
+        })
+    };
+    let off = from_truth(&found.single);
+    let mut apart = from(&found.double);
+    let beside = expected.beside.map(|b| match b {
+        Beside::Double => ("f64", &found.double),
+        Beside::Plain => ("the plain scene", &found.plain),
+    });
+    let seen = beside.map_or(off, |(_, other)| from(other));
     let tail = &found.single.tail;
     let lost = found.single.rejected + found.single.refused + found.double.rejected;
     let starved = tail.alive == 0;
-    let dark = p < limit && z < 0.0 && !found.unreachable.is_empty();
-    let heavy = tail.alive < FEWEST_ALIVE || tail.index < HEAVY || tail.share > DOMINATES;
+    let dark = off.p < limit && off.z < 0.0 && !found.unreachable.is_empty();
+    let heavy = tail.is_heavy();
     let outcome = if found.refused.is_some() {
         Outcome::Refused
     } else if lost > 0 {
@@ -117,23 +213,31 @@ pub fn judge(case: &Case, expected: &Expected, found: Found, limit: f64) -> Row 
         Outcome::Misses
     } else if heavy {
         Outcome::Heavy
-    } else if p >= limit {
+    } else if seen.p >= limit {
         Outcome::Right
     } else {
-        Outcome::Biased(bias)
+        Outcome::Biased(seen.bias)
     };
     let mut differs = Vec::new();
     let met = match (&expected.what, &outcome) {
         (Expectation::Right, Outcome::Right)
         | (Expectation::Misses, Outcome::Misses)
         | (Expectation::Heavy, Outcome::Heavy)
-        | (Expectation::Refused, Outcome::Refused)
-        | (Expectation::Biased(_), Outcome::Right) => true,
-        (Expectation::Biased(bound), Outcome::Biased(b)) => b.abs() <= *bound,
+        | (Expectation::Refused, Outcome::Refused) => true,
+        (Expectation::Biased { by, within }, Outcome::Biased(_)) => {
+            !seen.is_beyond(*by, *within, limit)
+        }
+        (Expectation::Biased { by, within }, Outcome::Right) => by.abs() <= *within,
         _ => false,
     };
     if !met {
         differs.push(format!("{} in place of {}", outcome, expected.what));
+    }
+    if let Some((name, other)) = beside {
+        let other = from_truth(other);
+        if other.p < limit {
+            differs.push(format!("{name} is off by {:+.2e}", other.bias));
+        }
     }
     let ends: u64 = found.ends.iter().sum();
     if ends > 0 {
@@ -141,40 +245,66 @@ pub fn judge(case: &Case, expected: &Expected, found: Found, limit: f64) -> Row 
             "{ends} values refused or not finite where ξ is at its ends"
         ));
     }
-    let allowed = match expected.what {
-        Expectation::Biased(bound) => bound,
-        _ => ROUNDING,
-    };
-    if apart_p < limit && apart.abs() > allowed && outcome != Outcome::Heavy {
-        differs.push(format!("f32 is off from f64 by {:.2e}", apart));
+    if outcome == Outcome::Heavy {
+        apart = Off::between(&found.clipped[0], &found.clipped[1]);
     }
+    if expected.beside != Some(Beside::Double)
+        && apart.p < limit
+        && apart.bias.abs() > expected.rounding
+    {
+        differs.push(format!("f32 is off from f64 by {:.2e}", apart.bias));
+    }
+    if outcome != Outcome::Heavy {
+        differs.extend(astray(&found, limit));
+    }
+    differs.extend(unwarned(expected, &found, warnings));
     Row {
         case: case.clone(),
         expected: expected.clone(),
         found,
         outcome,
-        z,
-        p,
-        single_over_double: apart,
+        z: seen.z,
+        p: seen.p,
+        single_over_double: apart.bias,
         differs,
     }
 }
 
-/// f32 over f64 minus 1 in a channel, and the probability of that if they estimate the same. Both had the same random numbers: what
-/// differs are the differences of their batches.
-fn precisions(found: &Found, channel: usize) -> (f64, f64) {
-    let (a, b) = (
-        &found.single.batches[channel],
-        &found.double.batches[channel],
-    );
-    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-    let reference = found.double.mean[channel].mean;
-    if differences.len() < 2 || reference == 0.0 {
-        return (0.0, 1.0);
+/// A part of the image in which chains have other light than samples have.
+fn astray(found: &Found, limit: f64) -> Option<String> {
+    let [chains, samples] = found.parts.as_ref()?;
+    chains
+        .iter()
+        .zip(samples)
+        .zip(1..)
+        .find_map(|((a, b), number)| {
+            let error = (a.error * a.error + b.error * b.error).sqrt();
+            let difference = Estimate {
+                mean: a.mean - b.mean,
+                error,
+                count: a.count,
+            };
+            let p = difference.p(difference.z(0.0, 0.0));
+            (p < limit).then(|| {
+                format!(
+                    "quarter {number} of the image has {:.4} by chains, {:.4} by bidirectional",
+                    a.mean, b.mean
+                )
+            })
+        })
+}
+
+/// A warning that is missing, or one in vain.
+fn unwarned(expected: &Expected, found: &Found, compiled: &[String]) -> Option<String> {
+    let mut all = compiled.iter().chain(&found.warnings).chain(&found.loss);
+    match &expected.warns {
+        Some(cure) if !all.any(|w| w.contains(cure)) => Some(format!("no warning says {cure:?}")),
+        None if expected.what == Expectation::Right => found
+            .warnings
+            .first()
+            .map(|w| format!("a warning in vain: {w}")),
+        _ => None,
     }
-    let difference = Estimate::of(&differences);
-    let z = difference.z(0.0, 0.0);
-    (difference.mean / reference, difference.p(z))
 }
 
 impl Row {
@@ -183,9 +313,9 @@ impl Row {
         self.differs.is_empty()
     }
 
-    /// Which estimator.
-    pub fn method(&self) -> Method {
-        self.expected.method
+    /// What the command line calls its estimator.
+    pub fn name(&self) -> String {
+        super::name(self.expected.estimator)
     }
 }
 

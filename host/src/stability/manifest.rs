@@ -1,6 +1,7 @@
 //! The manifest: what is expected, as it was written down.
 
-use super::measure::Method;
+use super::estimators;
+use etendue::Estimator;
 use serde_json::Value;
 
 /// A scene at which a method breaks.
@@ -39,13 +40,31 @@ pub struct Truth {
 #[derive(Clone, Debug)]
 pub struct Expected {
     /// Which.
-    pub method: Method,
+    pub estimator: Estimator,
     /// What it does.
     pub what: Expectation,
+    /// What of the same random numbers is right where this is biased, if anything.
+    pub beside: Option<Beside>,
     /// Why, in a line.
     pub why: String,
+    /// What a warning of the program says about it: the cure.
+    pub warns: Option<String>,
     /// Samples relative to the case's.
     pub factor: f64,
+    /// How far f32 may be off from f64, relative, where that isn't what is expected.
+    pub rounding: f64,
+}
+
+/// Relative difference of f32 and f64 that is rounding.
+const ROUNDING: f64 = 1e-4;
+
+/// What a bias is seen against: the same random numbers without what makes it, which shows far smaller ones than the truth does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beside {
+    /// Double precision.
+    Double,
+    /// The scene without what the program adds to it.
+    Plain,
 }
 
 /// What an estimator does with a case.
@@ -59,8 +78,13 @@ pub enum Expectation {
     Heavy,
     /// It refuses the scene, with a reason.
     Refused,
-    /// A documented approximation: off by no more than this, relative.
-    Biased(f64),
+    /// A documented approximation: off by so much, relative.
+    Biased {
+        /// By how much.
+        by: f64,
+        /// How far that may be off itself.
+        within: f64,
+    },
 }
 
 const MANIFEST: &str = include_str!("../../scenes/stability/manifest.json");
@@ -117,28 +141,47 @@ fn case(v: &Value) -> Result<Case, String> {
     })
 }
 
-fn expectation(method: &str, v: &Value) -> Result<Expected, String> {
+fn expectation(name: &str, v: &Value) -> Result<Expected, String> {
     let what = text(v, "outcome")?;
-    let what = match what.split_once(' ') {
-        None => match what.as_str() {
-            "right" => Expectation::Right,
-            "misses" => Expectation::Misses,
-            "heavy" => Expectation::Heavy,
-            "refused" => Expectation::Refused,
-            _ => return Err(format!("unknown outcome {what:?}")),
-        },
-        Some(("biased", bound)) => match bound.parse() {
-            Ok(bound) => Expectation::Biased(bound),
-            Err(_) => return Err(format!("expected a number after biased, found {bound:?}")),
-        },
-        Some(_) => return Err(format!("unknown outcome {what:?}")),
+    let what = match what.as_str() {
+        "right" => Expectation::Right,
+        "misses" => Expectation::Misses,
+        "heavy" => Expectation::Heavy,
+        "refused" => Expectation::Refused,
+        other => biased(other).ok_or_else(|| {
+            format!("expected right, misses, heavy, refused or a text like \"biased -0.05 within 0.01\", found {what:?}")
+        })?,
     };
+    let beside = match (v["beside"].as_str(), what) {
+        (None, _) => None,
+        (Some("f64"), Expectation::Biased { .. }) => Some(Beside::Double),
+        (Some("plain"), Expectation::Biased { .. }) => Some(Beside::Plain),
+        (Some(other), _) => {
+            return Err(format!(
+                "beside {other:?}: expected \"f64\" or \"plain\", of a bias"
+            ));
+        }
+    };
+    let estimator = estimators().find(|(_, n)| n == name);
     Ok(Expected {
-        method: Method::of(method).ok_or_else(|| format!("unknown estimator {method:?}"))?,
+        estimator: estimator
+            .ok_or_else(|| format!("unknown estimator {name:?}"))?
+            .0,
         what,
+        beside,
         why: text(v, "why")?,
+        warns: v["warns"].as_str().map(str::to_owned),
         factor: v["factor"].as_f64().unwrap_or(1.0),
+        rounding: v["rounding"].as_f64().unwrap_or(ROUNDING),
     })
+}
+
+/// `biased -0.05 within 0.01`.
+fn biased(text: &str) -> Option<Expectation> {
+    let numbers = text.strip_prefix("biased ")?;
+    let (by, within) = numbers.split_once(" within ").unwrap_or(("0", numbers));
+    let (by, within) = (by.parse().ok()?, within.parse().ok()?);
+    Some(Expectation::Biased { by, within })
 }
 
 impl std::fmt::Display for Expectation {
@@ -148,7 +191,7 @@ impl std::fmt::Display for Expectation {
             Self::Misses => f.write_str("misses"),
             Self::Heavy => f.write_str("heavy"),
             Self::Refused => f.write_str("refused"),
-            Self::Biased(bound) => write!(f, "biased {bound}"),
+            Self::Biased { by, within } => write!(f, "biased {by:+} ± {within}"),
         }
     }
 }

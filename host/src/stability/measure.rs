@@ -1,53 +1,12 @@
 //! What is measured: the mean of an image over independent batches, in either precision, and what its contributions are like.
 
-use super::{Found, Ready, ends, scenes};
+use super::sampling::{Batch, PARTS, double, single};
+use super::{Found, Ready, ends};
 use crate::reach;
+use crate::render::{doubts, wide};
 use crate::statistics::{Estimate, Tail};
+use etendue::{Estimator, Settings};
 use rayon::prelude::*;
-
-/// An estimator, by the name that `--estimator` has for it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // the kernel's
-pub enum Method {
-    Path,
-    Light,
-    Bidirectional,
-    Distributed,
-    Quadrature,
-    QuadratureAndPath,
-}
-
-impl Method {
-    /// All of them, with their names.
-    pub const ALL: [(Self, &'static str); 6] = [
-        (Self::Path, "path"),
-        (Self::Light, "light"),
-        (Self::Bidirectional, "bidirectional"),
-        (Self::Distributed, "distributed"),
-        (Self::Quadrature, "quadrature"),
-        (Self::QuadratureAndPath, "quadrature+path"),
-    ];
-
-    /// By its name.
-    pub fn of(name: &str) -> Option<Self> {
-        Self::ALL.iter().find(|(_, n)| *n == name).map(|(m, _)| *m)
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        Self::ALL
-            .iter()
-            .find(|(m, _)| *m == self)
-            .map_or("", |(_, n)| n)
-    }
-}
-
-impl Method {
-    /// The kernel's settings with which it runs.
-    pub fn settings(self, max_edges: Option<u32>, seed: u64) -> etendue::Settings {
-        single::settings(self, max_edges, seed)
-    }
-}
 
 /// How much is rendered.
 #[derive(Clone, Copy, Debug)]
@@ -61,15 +20,6 @@ pub struct Budget {
 /// Independent batches that an image's mean is taken over.
 pub const BATCHES: u64 = 32;
 
-/// Which kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Precision {
-    /// f32.
-    Single,
-    /// f64.
-    Double,
-}
-
 /// What one precision gave.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
@@ -77,7 +27,7 @@ pub struct Measured {
     pub mean: [Estimate; 3],
     /// Means of the batches by channel.
     pub batches: [Vec<f64>; 3],
-    /// The contributions of its samples.
+    /// The contributions of its samples; of chains, of those that they start from.
     pub tail: Tail,
     /// Values that the kernel rejected: NaN, infinite, negative.
     pub rejected: u64,
@@ -87,150 +37,147 @@ pub struct Measured {
     pub full: u64,
     /// Values beyond what the film takes.
     pub refused: u64,
-    /// Samples, pixels times passes.
-    pub samples: u64,
 }
 
-/// A batch of passes over the image.
-#[derive(Default)]
-pub(super) struct Batch {
-    sum: [f64; 3],
-    contributions: Vec<f32>,
-    rejected: u64,
-    cut: u64,
-    full: u64,
-    refused: u64,
+/// The settings with which an estimator runs.
+pub fn settings(estimator: Estimator, max_edges: Option<u32>, seed: u64) -> Settings {
+    Settings {
+        estimator,
+        max_edges,
+        seed,
+        ..Settings::default()
+    }
 }
-
-macro_rules! kernel {
-    ($name:ident, $kernel:ident) => {
-        pub(super) mod $name {
-            use super::{Batch, Method};
-            use $kernel::estimate::Estimator;
-            use $kernel::film::{Refused, Step, Sum};
-            use $kernel::{Rgb, Scene, Scratch, Settings};
-
-            /// The kernel's name of a method.
-            pub fn estimator(method: Method) -> Estimator {
-                match method {
-                    Method::Path => Estimator::Path,
-                    Method::Light => Estimator::Light,
-                    Method::Bidirectional => Estimator::Bidirectional,
-                    Method::Distributed => Estimator::Distributed,
-                    Method::Quadrature => Estimator::Quadrature,
-                    Method::QuadratureAndPath => Estimator::QuadratureAndPath,
-                }
-            }
-
-            /// The settings of a run.
-            pub fn settings(method: Method, max_edges: Option<u32>, seed: u64) -> Settings {
-                Settings {
-                    estimator: estimator(method),
-                    max_edges,
-                    seed,
-                    ..Settings::default()
-                }
-            }
-
-            /// The passes `passes` over the image.
-            pub fn batch(
-                scene: &Scene<'_>,
-                settings: &Settings,
-                passes: std::ops::Range<u64>,
-            ) -> Batch {
-                let [w, h] = scene.size();
-                let mut scratch = Box::new(Scratch::<32>::new());
-                let step = Step::new(scene.film_exponent());
-                let (mut out, mut refused) = (Batch::default(), Refused::default());
-                for index in passes {
-                    for y in 0..h {
-                        for x in 0..w {
-                            let mut all = [0.0f64; 3];
-                            let mut sum: Sum = [0; 3];
-                            let mut add = |_: [u32; 2], v: Rgb| {
-                                step.add(&mut sum, v, &mut refused);
-                                for (a, v) in all.iter_mut().zip(v.to_array()) {
-                                    *a += f64::from(v);
-                                }
-                            };
-                            let own =
-                                scene.estimate(settings, [x, y], index, &mut scratch, &mut add);
-                            add([x, y], own);
-                            out.sum.iter_mut().zip(all).for_each(|(s, a)| *s += a);
-                            out.contributions.push(all.iter().sum::<f64>() as f32);
-                        }
-                    }
-                }
-                out.rejected = scratch.counters.rejected;
-                out.cut = scratch.counters.cut_walks;
-                out.full = scratch.counters.full_walks;
-                out.refused = refused.saturated + refused.invalid;
-                out
-            }
-
-            /// What `bytes` is a blob of.
-            pub fn open(bytes: &[u8]) -> Result<Scene<'_>, String> {
-                Scene::open(bytes).map_err(|e| e.to_string())
-            }
-        }
-    };
-}
-
-kernel!(single, etendue);
-kernel!(double, etendue_f64);
 
 /// Measures one estimator on one case.
-pub(super) fn measure(ready: &Ready, method: Method, budget: &Budget) -> Result<Found, String> {
+pub(super) fn measure(
+    ready: &Ready,
+    estimator: Estimator,
+    budget: &Budget,
+) -> Result<Found, String> {
     let bytes = ready.blob.bytes();
     let case = &ready.case;
     let factor = case
         .expected
         .iter()
-        .find(|e| e.method == method)
+        .find(|e| e.estimator == estimator)
         .map_or(1.0, |e| e.factor);
     let passes = (case.samples as f64 * factor * budget.scale / BATCHES as f64)
         .round()
         .max(1.0) as u64;
-    let depth = scenes::advised_depth(case);
     let scene = single::open(bytes)?;
-    let settings = single::settings(method, depth, budget.seed);
+    let settings = settings(estimator, ready.max_edges, budget.seed);
     let unreachable = reach::unreachable(&scene, &settings);
-    if let Some(reason) = settings.estimator.refuses(&scene) {
+    if let Some(reason) = estimator.refuses(&scene) {
         return Ok(Found::refused(reason, unreachable));
     }
-    let wide = double::open(bytes)?;
-    let wide_settings = double::settings(method, depth, budget.seed);
-    let range = |b: u64| b * passes..(b + 1) * passes;
+    let wide_scene = double::open(bytes)?;
+    let wide_settings = wide(&settings);
     let pixels = scene.size().iter().map(|&n| u64::from(n)).product::<u64>();
     let per_batch = passes * pixels;
-    let narrow: Vec<_> = (0..BATCHES)
-        .into_par_iter()
-        .map(|b| single::batch(&scene, &settings, range(b)))
-        .collect();
-    let wider: Vec<_> = (0..BATCHES)
-        .into_par_iter()
-        .map(|b| double::batch(&wide, &wide_settings, range(b)))
-        .collect();
+    let range = |b: u64| b * passes..(b + 1) * passes;
+    // Any odd multiple: others' seeds are small.
+    let seed = |b: u64| budget.seed ^ (b + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let chains = estimator == Estimator::Metropolis;
+    let in_single = |scene: &etendue::Scene<'_>| {
+        each_batch(&|b| {
+            if chains {
+                let seed = seed(b);
+                single::chains(scene, &Settings { seed, ..settings }, per_batch)
+            } else {
+                single::samples(scene, &settings, range(b))
+            }
+        })
+    };
+    let narrow = in_single(&scene);
+    let plain = match &ready.plain {
+        None => Vec::new(),
+        Some(blob) => in_single(&single::open(blob.bytes())?),
+    };
+    let wider = each_batch(&|b| {
+        if chains {
+            let seed = seed(b);
+            let settings = etendue_f64::Settings {
+                seed,
+                ..wide_settings
+            };
+            double::chains(&wide_scene, &settings, per_batch)
+        } else {
+            double::samples(&wide_scene, &wide_settings, range(b))
+        }
+    });
+    // A scene without colours has an image whose mean is the bootstrap's whatever chains do. Where they go says whether they go right.
+    let parts = chains.then(|| {
+        let settings = Settings {
+            estimator: Estimator::Bidirectional,
+            seed: seed(BATCHES),
+            ..settings
+        };
+        let others = each_batch(&|b| single::samples(&scene, &settings, range(b)));
+        [&narrow, &others].map(|batches| in_parts(batches))
+    });
+    let clipped = clipped([&narrow, &wider]);
+    let narrow = Measured::of(narrow);
+    let warnings = [
+        doubts::tail(&narrow.tail, estimator),
+        doubts::rules(&scene, &settings),
+    ];
     Ok(Found {
         refused: None,
         unreachable,
-        single: Measured::of(narrow, per_batch),
-        double: Measured::of(wider, per_batch),
-        ends: ends::violations(&scene, &wide, &settings, &wide_settings),
+        loss: doubts::cut(narrow.cut, estimator),
+        warnings: warnings.into_iter().flatten().collect(),
+        single: narrow,
+        double: Measured::of(wider),
+        plain: Measured::of(plain),
+        clipped,
+        parts,
+        ends: ends::violations(&scene, &wide_scene, &settings, &wide_settings),
         channels: case.truth.value.len(),
     })
 }
 
-impl Measured {
-    fn of(batches: Vec<Batch>, per_batch: u64) -> Self {
-        let mut all: Vec<f32> = Vec::new();
-        let mut out = Self {
-            samples: per_batch * batches.len() as u64,
-            ..Self::default()
+fn each_batch(make: &(dyn Fn(u64) -> Batch + Sync)) -> Vec<Batch> {
+    (0..BATCHES).into_par_iter().map(make).collect()
+}
+
+fn in_parts(batches: &[Batch]) -> [Estimate; PARTS] {
+    std::array::from_fn(|i| {
+        let part: Vec<_> = batches.iter().map(|b| b.parts[i]).collect();
+        Estimate::of(&part)
+    })
+}
+
+/// Means of the batches' contributions, of which none counts for more than the mean of those that aren't 0: their variance is finite whatever the
+/// tail is, so that the two precisions can be told apart where the means can't.
+fn clipped(both: [&[Batch]; 2]) -> [Vec<f64>; 2] {
+    let all = both[1].iter().flat_map(|b| &b.contributions);
+    let (mut alive, mut sum) = (0u64, 0.0);
+    for &x in all.filter(|&&x| x > 0.0) {
+        alive += 1;
+        sum += f64::from(x);
+    }
+    let most = sum / alive.max(1) as f64;
+    both.map(|batches| {
+        let mean = |b: &Batch| {
+            let sum: f64 = b
+                .contributions
+                .iter()
+                .map(|&x| f64::from(x).min(most))
+                .sum();
+            sum / b.contributions.len() as f64
         };
+        batches.iter().map(mean).collect()
+    })
+}
+
+impl Measured {
+    fn of(batches: Vec<Batch>) -> Self {
+        let mut all: Vec<f32> = Vec::new();
+        let mut out = Self::default();
         for b in batches {
-            for (means, sum) in out.batches.iter_mut().zip(b.sum) {
-                means.push(sum / per_batch as f64);
+            for (means, mean) in out.batches.iter_mut().zip(b.mean) {
+                means.push(mean);
             }
             all.extend(b.contributions);
             out.rejected += b.rejected;
@@ -239,7 +186,7 @@ impl Measured {
             out.refused += b.refused;
         }
         out.mean = std::array::from_fn(|c| Estimate::of(&out.batches[c]));
-        out.tail = Tail::of(&mut all);
+        out.tail = Tail::of(&all);
         out
     }
 }

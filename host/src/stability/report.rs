@@ -42,6 +42,14 @@ fn index(row: &Row) -> String {
     }
 }
 
+/// Energy that arrives over energy that should, with half of its interval.
+fn energy(row: &Row) -> String {
+    let known = row.found.energy(&row.case);
+    known.map_or("–".into(), |e| {
+        format!("{:.4} ± {:.4}", e.value, 0.5 * (e.high - e.low))
+    })
+}
+
 fn diagnostics(row: &Row) -> String {
     let m = &row.found.single;
     let counted = [
@@ -75,13 +83,14 @@ pub fn table(rows: &[Row]) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
-        "{:<27}{:<17}{:<14}{:<17}{:>10} {:>10} {:>7} {:>6} {:>9} {:>9}",
+        "{:<27}{:<17}{:<22}{:<17}{:>10} {:>10} {:>17} {:>7} {:>6} {:>9} {:>9}  counted",
         "case",
         "estimator",
         "expected",
         "found",
         "truth",
         "mean",
+        "mean/truth",
         "z",
         "α",
         "max/mean",
@@ -92,23 +101,25 @@ pub fn table(rows: &[Row]) -> String {
         let m = &r.found.single;
         let _ = writeln!(
             out,
-            "{:<27}{:<17}{:<14}{:<17}{:>10} {:>10} {:>7} {:>6} {:>9.1e} {:>9.1e}{}",
+            "{:<27}{:<17}{:<22}{:<17}{:>10} {:>10} {:>17} {:>7} {:>6} {:>9.1e} {:>9.1e}  {}{}",
             r.case.name,
-            r.method().name(),
+            r.name(),
             r.expected.what.to_string(),
             r.outcome.to_string(),
             number(r.case.truth.value[c]),
             number(m.mean[c].mean),
+            energy(r),
             z(r),
             index(r),
             m.tail.largest,
             r.single_over_double,
+            diagnostics(r),
             if r.is_met() { "" } else { "  ← differs" },
         );
     }
     for r in rows.iter().filter(|r| !r.is_met()) {
         for d in &r.differs {
-            let _ = writeln!(out, "{}, {}: {d}", r.case.name, r.method().name());
+            let _ = writeln!(out, "{}, {}: {d}", r.case.name, r.name());
         }
     }
     let _ = writeln!(out, "{}", summary(rows));
@@ -147,7 +158,7 @@ pub fn html(ready: &[Ready], rows: &[Row]) -> String {
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>Where methods fail</title><style>{STYLE}</style></head><body>\n<h1>Where methods fail</h1>\n<p>{}.</p>\n",
         escape(&summary(rows))
     );
-    out.push_str("<p class=\"small\">z: standard errors of 32 batches between mean and truth. α: Hill's estimate of the tail index of the samples' contributions; below 2 their variance is infinite. max/mean: the largest contribution over the mean. f32/f64−1: single against double precision, the same random numbers.</p>\n");
+    out.push_str("<p class=\"small\">mean/truth: energy that arrives over energy that should, all channels together, with its 95 % interval. z: standard errors of 32 batches between mean and truth; of a bias that double precision hasn't, or the scene without what is added to it, between the two. α: Hill's estimate of the tail index of the samples' contributions (of chains: of the samples that they start from); below 2 their variance is infinite. max/mean: the largest contribution over the mean. f32/f64−1: single against double precision, the same random numbers; where few samples carry the image, of contributions clipped at their mean. A biased or heavy outcome needs a warning that names the cure.</p>\n");
     for r in ready {
         let mine: Vec<_> = rows
             .iter()
@@ -169,7 +180,7 @@ pub fn html(ready: &[Ready], rows: &[Row]) -> String {
                 escape(w)
             );
         }
-        out.push_str("<div class=\"wide\"><table><tr><th class=\"text\">estimator</th><th class=\"text\">expected</th><th class=\"text\">found</th><th>mean</th><th>z</th><th>α</th><th>max/mean</th><th>f32/f64−1</th></tr>\n");
+        out.push_str("<div class=\"wide\"><table><tr><th class=\"text\">estimator</th><th class=\"text\">expected</th><th class=\"text\">found</th><th>mean</th><th>mean/truth</th><th>z</th><th>α</th><th>max/mean</th><th>f32/f64−1</th></tr>\n");
         for row in mine {
             html_row(&mut out, row);
         }
@@ -185,12 +196,14 @@ fn html_row(out: &mut String, row: &Row) {
         Expectation::Misses => "misses",
         Expectation::Heavy => "heavy",
         Expectation::Refused => "refused",
-        Expectation::Biased(_) => "biased",
+        Expectation::Biased { .. } => "biased",
     };
     let c = worst_channel(row);
     let m = &row.found.single;
     let mut notes = vec![row.expected.why.clone()];
     notes.extend(row.found.refused.map(|r| format!("Refused: {r}.")));
+    let said = row.found.warnings.iter().chain(&row.found.loss);
+    notes.extend(said.map(|w| format!("Warns: {w}.")));
     notes.extend(row.found.unreachable.iter().map(|s| format!("Named: {s}.")));
     let counted = diagnostics(row);
     if !counted.is_empty() {
@@ -206,10 +219,11 @@ fn html_row(out: &mut String, row: &Row) {
     let differs = if row.is_met() { "" } else { "differs" };
     let _ = writeln!(
         out,
-        "<tr class=\"numbers {differs}\"><td class=\"text\">{}</td><td class=\"text {class}\">{}</td><td class=\"text outcome\">{}</td><td>{mean}</td><td>{}</td><td>{}</td><td>{:.1e}</td><td>{:.1e}</td></tr>\n<tr class=\"{differs}\"><td class=\"why\" colspan=\"8\"><div>{}</div></td></tr>",
-        row.method().name(),
+        "<tr class=\"numbers {differs}\"><td class=\"text\">{}</td><td class=\"text {class}\">{}</td><td class=\"text outcome\">{}</td><td>{mean}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.1e}</td><td>{:.1e}</td></tr>\n<tr class=\"{differs}\"><td class=\"why\" colspan=\"9\"><div>{}</div></td></tr>",
+        row.name(),
         row.expected.what,
         row.outcome,
+        energy(row),
         z(row),
         index(row),
         m.tail.largest,

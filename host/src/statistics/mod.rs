@@ -6,7 +6,7 @@ mod tail;
 
 pub use distribution::{fisher_quantile, ln_gamma, student, student_quantile};
 pub use efficiency::{Costs, Interval};
-pub use tail::{FEWEST_ALIVE, Tail, tail_index};
+pub use tail::{FEWEST_ALIVE, Heaviest, Tail, tail_index};
 
 /// Mean and standard error of the mean of independent batches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
