@@ -91,7 +91,7 @@ fn lit_floor() -> Description {
 
 /// Of renders that say "not above E with 95 % confidence", no more are above E than may be: of each 1000, 50 are expected at most, and more than 86, 8.6 %, have a chance of
 /// 6.5e-7; of 300, 15 and 36, with 5e-7; of 60, 3 and 13, with 1e-6. By images of 16 pixels, a few of which carry most of the error; of 144 with a long tail; and of 576 whose noise is
-/// known well, so that they stop not far below E: were it taken for a fifth less than it is, all would be above. And it isn't overdone: errors are no less than a quarter of E, root mean
+/// known well, so that they stop not far below E: were it taken for a fifth less than it is, 80 of 300 would be above. And it isn't overdone: errors are no less than a quarter of E, root mean
 /// square.
 #[test]
 fn stated_errors_hold_at_their_rate() {
