@@ -58,8 +58,8 @@ pub fn pilot(
             pilot: Pilot::default(),
         }]);
     }
-    // Each has its part of the time, as there may be one thread for all.
-    let part = MOST_TIME / candidates.len() as f64;
+    // Each has its part of the time, as there may be one thread for all; a fifth is left for threads to begin and last samples to end.
+    let part = 0.8 * MOST_TIME / candidates.len() as f64;
     let time = time.map(|t| t.mul_f64(part));
     let pilots: Vec<_> = candidates.iter().map(|_| OnceLock::new()).collect();
     crew.employ(|run| {
