@@ -179,7 +179,7 @@ fn expectation(name: &str, v: &Value) -> Result<Expected, String> {
 /// `biased -0.05 within 0.01`.
 fn biased(text: &str) -> Option<Expectation> {
     let numbers = text.strip_prefix("biased ")?;
-    let (by, within) = numbers.split_once(" within ").unwrap_or(("0", numbers));
+    let (by, within) = numbers.split_once(" within ")?;
     let (by, within) = (by.parse().ok()?, within.parse().ok()?);
     Some(Expectation::Biased { by, within })
 }
