@@ -57,7 +57,7 @@ impl Pilot {
         mut sample: impl FnMut([u32; 2], u64) -> (Rgb, f64),
     ) {
         // Spread evenly: the golden ratio's multiples along the image, at random across.
-        let x = f64::from(Pcg::new(seed, FIRST, i).one(Purpose::Filter));
+        let x = Pcg::new(seed, FIRST, i).one(Purpose::Filter) as f64;
         let y = i as f64 * 0.618_033_988_749_895;
         let at = |x: f64, n: u32| ((x * f64::from(n)) as u32).min(n.saturating_sub(1));
         let pixel = [at(x, width), at(y - (y as u64) as f64, height)];
@@ -75,7 +75,7 @@ impl Pilot {
 
 /// |v|², mean over channels.
 pub(crate) fn square(v: Rgb) -> f64 {
-    let squares = v.to_array().map(|x| f64::from(x) * f64::from(x));
+    let squares = v.to_array().map(|x| x as f64 * x as f64);
     squares.iter().sum::<f64>() / 3.0
 }
 
