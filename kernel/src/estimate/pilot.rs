@@ -13,6 +13,7 @@
 use super::{ScratchView, Settings, pixel_id};
 use crate::blob::Scene;
 use crate::random::{Pcg, Purpose, Sampler, Sequence};
+use crate::real::Real;
 use crate::sensor::Element;
 use crate::spectrum::Rgb;
 
@@ -57,7 +58,7 @@ impl Pilot {
         mut sample: impl FnMut([u32; 2], u64) -> (Rgb, f64),
     ) {
         // Spread evenly: the golden ratio's multiples along the image, at random across.
-        let x = Pcg::new(seed, FIRST, i).one(Purpose::Filter) as f64;
+        let x = wide(Pcg::new(seed, FIRST, i).one(Purpose::Filter));
         let y = i as f64 * 0.618_033_988_749_895;
         let at = |x: f64, n: u32| ((x * f64::from(n)) as u32).min(n.saturating_sub(1));
         let pixel = [at(x, width), at(y - (y as u64) as f64, height)];
@@ -73,9 +74,15 @@ impl Pilot {
     }
 }
 
+/// `x` in double precision.
+#[allow(clippy::unnecessary_cast)] // it is there already in one of the two kernels
+fn wide(x: Real) -> f64 {
+    x as f64
+}
+
 /// |v|², mean over channels.
 pub(crate) fn square(v: Rgb) -> f64 {
-    let squares = v.to_array().map(|x| x as f64 * x as f64);
+    let squares = v.to_array().map(|x| wide(x) * wide(x));
     squares.iter().sum::<f64>() / 3.0
 }
 
