@@ -7,6 +7,7 @@
 mod accuracy;
 mod metropolis;
 mod possible;
+mod random;
 mod roulette;
 mod sequences;
 mod spectra;
