@@ -230,6 +230,19 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
+impl Mesh {
+    /// Where a triangle's vertices are; `None` if there is no such vertex.
+    pub fn vertices(&self, triangle: &[u32; 3]) -> Option<[[f32; 3]; 3]> {
+        let [a, b, c] = triangle.map(|v| self.positions.get(v as usize).copied());
+        Some([a?, b?, c?])
+    }
+
+    /// The same in double precision.
+    pub(crate) fn corners(&self, triangle: &[u32; 3]) -> Option<[glam::DVec3; 3]> {
+        Some(self.vertices(triangle)?.map(|p| p.map(f64::from).into()))
+    }
+}
+
 /// A constant colour or a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColorSource {

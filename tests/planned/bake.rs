@@ -2,8 +2,8 @@
 
 use etendue::{Estimator, Scene, Settings};
 use etendue_host::description::{Description, Geometry, Mesh};
-use etendue_host::render::{Bake, bake};
-use etendue_tests::render::blob;
+use etendue_host::render::{Bake, Baked, bake};
+use etendue_tests::render::{Estimate, blob};
 use etendue_tests::scenes::Builder;
 
 /// A floor of 2 × 2 under a lamp of 1 × 1 at height 1, its texture coordinates mirrored in u.
@@ -45,6 +45,22 @@ fn options(estimator: Estimator, samples: u64, threads: usize) -> Bake {
     }
 }
 
+/// Independent maps: they give the spread.
+fn maps(scene: &Scene<'_>, mesh: &Mesh, estimator: Estimator) -> Vec<Baked> {
+    let map = |seed| {
+        let mut how = options(estimator, 1000, 0);
+        how.settings.seed = seed;
+        bake(scene, mesh, &how, &|_| ()).unwrap()
+    };
+    (0..24).map(map).collect()
+}
+
+/// A channel of a texel.
+fn texel(maps: &[Baked], at: usize, channel: usize) -> Estimate {
+    let value = |map: &Baked| f64::from(map.texels[at][channel]);
+    Estimate::of(&maps.iter().map(value).collect::<Vec<f64>>())
+}
+
 /// 480 means of 24 maps: with 23 degrees of freedom P(|t| > 7.5) = 1.3e-7, one false alarm in 16,000 runs.
 #[test]
 fn a_texel_is_the_mean_irradiance_of_its_patch() {
@@ -58,14 +74,7 @@ fn a_texel_is_the_mean_irradiance_of_its_patch() {
         Estimator::Distributed,
         Estimator::Quadrature,
     ] {
-        // Independent maps give the spread.
-        let maps: Vec<_> = (0..24)
-            .map(|seed| {
-                let mut how = options(estimator, 1000, 0);
-                how.settings.seed = seed;
-                bake(&scene, &mesh, &how, &|_| ()).unwrap()
-            })
-            .collect();
+        let maps = maps(&scene, &mesh, estimator);
         for (x, y) in (0..4).flat_map(|y| (0..8).map(move |x| (x, y))) {
             let at = y * 8 + x;
             // Texel (x, y) covers u from x/8 and v from y/4: mirrored in x. Its mean by 16 × 16 points: error below 1e-4.
@@ -76,8 +85,7 @@ fn a_texel_is_the_mean_irradiance_of_its_patch() {
                 truth += closed_form(1.0 - 2.0 * u, 2.0 * v - 1.0) / 256.0;
             }
             for (c, radiance) in [1.0, 2.0, 3.0].into_iter().enumerate() {
-                let values: Vec<f64> = maps.iter().map(|m| f64::from(m.texels[at][c])).collect();
-                let e = etendue_tests::render::Estimate::of(&values);
+                let e = texel(&maps, at, c);
                 let truth = truth * radiance;
                 assert!(
                     (e.mean - truth).abs() < 7.5 * e.error + 3e-4 * truth && e.error < 0.06 * truth,
@@ -215,13 +223,7 @@ fn a_light_map_in_what_absorbs() {
         Estimator::Distributed,
         Estimator::Quadrature,
     ] {
-        let maps: Vec<_> = (0..24)
-            .map(|seed| {
-                let mut how = options(estimator, 1000, 0);
-                how.settings.seed = seed;
-                bake(&scene, &mesh, &how, &|_| ()).unwrap()
-            })
-            .collect();
+        let maps = maps(&scene, &mesh, estimator);
         for (x, y) in (0..4u32).flat_map(|y| (0..8u32).map(move |x| (x, y))) {
             for (c, sigma) in SIGMA.into_iter().enumerate() {
                 let mut truth = 0.0;
@@ -231,9 +233,7 @@ fn a_light_map_in_what_absorbs() {
                     truth += closed_form(1.0 - 2.0 * u, 2.0 * v - 1.0, sigma.into()) / 16.0;
                 }
                 let truth = truth * (c + 1) as f64;
-                let texel = (y * 8 + x) as usize;
-                let values: Vec<f64> = maps.iter().map(|m| f64::from(m.texels[texel][c])).collect();
-                let e = etendue_tests::render::Estimate::of(&values);
+                let e = texel(&maps, (y * 8 + x) as usize, c);
                 assert!(
                     (e.mean - truth).abs() < 7.5 * e.error + 1e-3 * truth && e.error < 0.06 * truth,
                     "{estimator:?}, texel {x}, {y}, channel {c}: {e:?} for {truth}"

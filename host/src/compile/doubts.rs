@@ -1,5 +1,6 @@
 //! What compiles but can't be rendered well, from the geometry alone: each a warning that names the cure.
 
+use super::geometry::key;
 use crate::description::{Description, Geometry};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -19,28 +20,13 @@ pub fn doubts(d: &Description) -> Vec<String> {
     out
 }
 
-fn corners(d: &Geometry, t: usize) -> Option<[DVec3; 3]> {
-    let Geometry::Mesh(mesh) = d else { return None };
-    let corner = |v: u32| {
-        mesh.positions
-            .get(v as usize)
-            .map(|p| DVec3::from(p.map(f64::from)))
-    };
-    let [a, b, c] = mesh.triangles.get(t)?.map(corner);
-    Some([a?, b?, c?])
-}
-
-fn count(g: &Geometry) -> usize {
-    match g {
-        Geometry::Mesh(mesh) => mesh.triangles.len(),
-        Geometry::Sphere { .. } => 0,
-    }
-}
-
 fn slivers(d: &Description, out: &mut Vec<String>) {
     let (mut number, mut worst, mut name) = (0u64, 0.0, "");
     for s in &d.shapes {
-        for [a, b, c] in (0..count(&s.geometry)).filter_map(|t| corners(&s.geometry, t)) {
+        let Geometry::Mesh(mesh) = &s.geometry else {
+            continue;
+        };
+        for [a, b, c] in mesh.triangles.iter().filter_map(|t| mesh.corners(t)) {
             let longest = (b - a).length().max((c - b).length()).max((a - c).length());
             let double_area = (b - a).cross(c - a).length();
             let ratio = longest * longest / double_area;
@@ -94,17 +80,15 @@ fn far(d: &Description, out: &mut Vec<String>) {
 fn twins(d: &Description, out: &mut Vec<String>) {
     let mut seen: HashMap<Vec<[u32; 3]>, &str> = HashMap::new();
     for s in d.shapes.iter().filter(|s| s.emission.is_some()) {
-        let bits = |p: [f32; 3]| p.map(|x| (x + 0.0).to_bits());
         let mut keys: Vec<Vec<[u32; 3]>> = Vec::new();
         match &s.geometry {
             Geometry::Mesh(mesh) => keys.extend(mesh.triangles.iter().filter_map(|t| {
-                let corner = |v: u32| mesh.positions.get(v as usize).map(|p| bits(*p));
-                let mut key: Vec<_> = t.iter().filter_map(|&v| corner(v)).collect();
+                let mut key = mesh.vertices(t)?.map(key).to_vec();
                 key.sort_unstable();
-                (key.len() == 3).then_some(key)
+                Some(key)
             })),
             Geometry::Sphere { center, radius, .. } => {
-                keys.push(vec![bits(*center), bits([*radius, 0.0, 0.0])])
+                keys.push(vec![key(*center), key([*radius, 0.0, 0.0])])
             }
         }
         for key in keys {

@@ -136,3 +136,8 @@ pub(super) fn triangle_area(t: &[[f32; 3]; 3]) -> f64 {
 pub(super) fn sphere_area(radius: f32) -> f64 {
     4.0 * std::f64::consts::PI * f64::from(radius) * f64::from(radius)
 }
+
+/// A position as a key: −0 and 0 are the same place.
+pub fn key(position: [f32; 3]) -> [u32; 3] {
+    position.map(|x| (x + 0.0).to_bits())
+}

@@ -148,17 +148,8 @@ impl Atlas {
 
 /// The unit normal of a triangle in space, if it has an area.
 pub(super) fn normal(mesh: &Mesh, index: &[u32; 3]) -> Option<glam::DVec3> {
-    let [a, b, c] = corners(mesh, index)?;
+    let [a, b, c] = mesh.corners(index)?;
     (b - a).cross(c - a).try_normalize()
-}
-
-/// A triangle's corners in space.
-pub(super) fn corners(mesh: &Mesh, index: &[u32; 3]) -> Option<[glam::DVec3; 3]> {
-    let at = |i: u32| {
-        let p = mesh.positions.get(i as usize)?;
-        Some(glam::DVec3::from(p.map(f64::from)))
-    };
-    Some([at(index[0])?, at(index[1])?, at(index[2])?])
 }
 
 /// Twice the signed area is the sum of cross products.

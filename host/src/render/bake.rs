@@ -4,7 +4,7 @@
 //! Texel (x, y)'s sample `index` is a pure function of (blob, settings, seed) and these numbers, and sums are taken in order, so the
 //! bits are the same on any number of threads.
 
-use super::atlas::{Atlas, AtlasError, Piece, corners, normal};
+use super::atlas::{Atlas, AtlasError, Piece, normal};
 use super::crew::{Crew, each_once};
 use super::{RenderError, accept, lock};
 use crate::description::Mesh;
@@ -146,7 +146,7 @@ fn point(mesh: &Mesh, pieces: &[Piece], sampler: &mut impl Sampler) -> Option<(V
     let [a, b, c] = piece.corners;
     let weights = a + (b - a) * u + (c - a) * v;
     let index = mesh.triangles.get(piece.triangle as usize)?;
-    let [p, q, r] = corners(mesh, index)?;
+    let [p, q, r] = mesh.corners(index)?;
     let position = p + (q - p) * weights.x + (r - p) * weights.y;
     Some((position.as_vec3(), normal(mesh, index)?.as_vec3()))
 }

@@ -4,7 +4,10 @@
 
 use super::objects::sides;
 use crate::compile::bvh::{Bounds, Boxes};
+use crate::compile::geometry::key;
 use crate::description::{Description, Geometry, Mesh, Model, Shape};
+use etendue::real::Vec3;
+use etendue::shape::triangle_offset;
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -32,7 +35,7 @@ pub fn set_apart(d: &Description) -> (Option<Description>, Vec<String>) {
         for (id, s) in next.shapes.iter_mut().enumerate() {
             if let Geometry::Mesh(mesh) = &mut s.geometry {
                 for p in &mut mesh.positions {
-                    if let Some(by) = contacts.moves.get(&(id, place(p))) {
+                    if let Some(by) = contacts.moves.get(&(id, key(*p))) {
                         *p = (DVec3::from(p.map(f64::from)) + by).as_vec3().to_array();
                     }
                 }
@@ -42,11 +45,6 @@ pub fn set_apart(d: &Description) -> (Option<Description>, Vec<String>) {
     (moved, warnings)
 }
 
-/// A position as a key: −0 and 0 are the same place.
-fn place(p: &[f32; 3]) -> [u32; 3] {
-    p.map(|x| (x + 0.0).to_bits())
-}
-
 /// A triangle that has an area.
 struct Face {
     shape: usize,
@@ -54,15 +52,14 @@ struct Face {
     corners: [DVec3; 3],
     normal: DVec3,
     area: f64,
-    /// How far off it rays start (`triangle_offset` of the kernel, at its most).
+    /// How far off it rays start, at its most: at a corner.
     offset: f64,
 }
 
 impl Face {
     fn of(shape: usize, mesh: &Mesh, t: &[u32; 3]) -> Option<Self> {
-        let [a, b, c] = t.map(|v| mesh.positions.get(v as usize).copied());
-        let positions = [a?, b?, c?];
-        let corners @ [a, b, c] = positions.map(|p| DVec3::from(p.map(f64::from)));
+        let positions = mesh.vertices(t)?;
+        let corners @ [a, b, c] = mesh.corners(t)?;
         let edges = [b - a, c - b, a - c];
         let cross = edges[0].cross(edges[1]);
         let longest = edges.iter().map(|e| e.length()).fold(0.0, f64::max);
@@ -71,18 +68,15 @@ impl Face {
         if !area.is_finite() || area <= 1e-12 * longest * longest {
             return None;
         }
-        let largest = |all: &[DVec3]| {
-            all.iter()
-                .fold(0.0, |m: f64, v| m.max(v.abs().max_element()))
-        };
-        let rounding = f64::from(f32::EPSILON) / 2.0;
+        let at = positions.map(Vec3::from);
+        let offset = at.map(|p| f64::from(triangle_offset(p, at)));
         Some(Self {
             shape,
             positions,
             corners,
             normal: cross / area,
             area,
-            offset: rounding * (4.0 * largest(&edges) + 8.0 * largest(&corners)),
+            offset: offset.into_iter().fold(0.0, f64::max),
         })
     }
 
@@ -237,7 +231,7 @@ impl Contacts {
     fn push(&mut self, fixed: &Face, face: &Face, way: DVec3) {
         let apart = APART * fixed.offset.max(face.offset);
         for (corner, p) in face.corners.iter().zip(&face.positions) {
-            let by = self.moves.entry((face.shape, place(p))).or_default();
+            let by = self.moves.entry((face.shape, key(*p))).or_default();
             let missing = apart - (corner - fixed.corners[0] + *by).dot(way);
             *by += way * missing.max(0.0);
         }

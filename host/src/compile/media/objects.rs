@@ -1,6 +1,7 @@
 //! What objects say of the media around them, and what light may do there.
 
 use super::space::Matter;
+use crate::compile::geometry::key;
 use crate::description::{ColorSource, Description, Geometry, Model, Shape};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -49,13 +50,7 @@ pub fn is_open(geometry: &Geometry) -> bool {
     };
     let mut edges: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
     for t in &mesh.triangles {
-        // −0 and 0 are the same place.
-        let corner = |v: u32| {
-            mesh.positions
-                .get(v as usize)
-                .map(|p| p.map(|x| (x + 0.0).to_bits()))
-        };
-        let [Some(a), Some(b), Some(c)] = t.map(corner) else {
+        let Some([a, b, c]) = mesh.vertices(t).map(|t| t.map(key)) else {
             continue;
         };
         for (from, to) in [(a, b), (b, c), (c, a)] {

@@ -210,11 +210,7 @@ impl Space<'_> {
         match geometry {
             Geometry::Mesh(mesh) => {
                 let i = (self.next() * mesh.triangles.len() as f64) as usize;
-                let [a, b, c] = mesh
-                    .triangles
-                    .get(i)?
-                    .map(|v| mesh.positions.get(v as usize));
-                let [a, b, c] = [a?, b?, c?].map(|p| DVec3::from(p.map(f64::from)));
+                let [a, b, c] = mesh.corners(mesh.triangles.get(i)?)?;
                 let (mut u, mut v) = (self.next(), self.next());
                 if u + v > 1.0 {
                     (u, v) = (1.0 - u, 1.0 - v);
