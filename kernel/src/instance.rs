@@ -41,6 +41,34 @@ impl<S: Spectrum> Instance for GlossySurfaces<S> {
     const MEDIA: bool = false;
 }
 
+/// Scattering volumes, and surfaces of which none is glossy.
+#[cfg(feature = "media")]
+#[derive(Clone, Copy, Debug)]
+pub struct Volumes<S>(PhantomData<S>);
+
+#[cfg(feature = "media")]
+impl<S: Spectrum> Instance for Volumes<S> {
+    type S = S;
+    const GLOSSY: bool = false;
+    const DISPERSIVE: bool = false;
+    const MEDIA: bool = true;
+}
+
+#[cfg(feature = "media")]
+impl<S> Volumes<S> {
+    /// Whether they have code of their own. Not without glossy models, where [`Complete`] is the same; nor where the size of code counts more than the 1 to 3 % that walks
+    /// through volumes take longer by `Complete`: in a browser's module, in flash, in what a GPU's driver compiles, and in double precision, which is for comparisons.
+    pub const APART: bool = cfg!(all(
+        feature = "glossy",
+        not(any(
+            feature = "f64",
+            target_family = "wasm",
+            target_arch = "arm",
+            target_arch = "nvptx64"
+        ))
+    ));
+}
+
 /// All there is: surfaces, dispersing ones among them, and scattering volumes.
 #[cfg(feature = "media")]
 #[derive(Clone, Copy, Debug)]

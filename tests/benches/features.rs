@@ -82,6 +82,10 @@ const GLOSSY: Variant = Variant {
     )],
     ..PLAIN
 };
+const GLOSSY_FOG: Variant = Variant {
+    text: GLOSSY.text,
+    ..FOG
+};
 const GLASS: Variant = Variant {
     text: &[(
         LARGE,
@@ -256,10 +260,11 @@ const HAVING: [(&str, u32, Variant, Variant); 19] = [
 ];
 
 /// Scenes for what isn't needed, the features that they need: one for each instance of the estimators.
-const LACKING: [(&str, &[&str], Variant); 4] = [
+const LACKING: [(&str, &[&str], Variant); 5] = [
     ("diffuse", &[], PLAIN),
     ("glossy", &["glossy"], GLOSSY),
     ("fog", &["media"], FOG),
+    ("glossy things in fog", &["glossy", "media"], GLOSSY_FOG),
     ("wavelengths", &["glossy", "media", "spectral"], WAVELENGTHS),
 ];
 

@@ -86,16 +86,21 @@ pub(super) fn incident<S: Spectrum>(
         let jacobian = cos_light / square(distance);
         let outwards =
             (y + direction * distance - vec3(sphere.center)) * (1.0 / Real::from(sphere.radius));
-        return (cos_light > 0.0).then(|| Incident {
-            direction,
-            end: Some(y + direction * distance + outwards * sphere_offset(sphere)),
-            radiance: scene.emitted(e),
-            pdf,
-            dirac: false,
-            trace_over_connect: density / (pdf * jacobian),
-            emission: INV_PI * jacobian,
-            medium: NONE,
-        });
+        // No `then` here, nor below: whether the compiler inlines its closure depends on how many estimators there are.
+        return if cos_light > 0.0 {
+            Some(Incident {
+                direction,
+                end: Some(y + direction * distance + outwards * sphere_offset(sphere)),
+                radiance: scene.emitted(e),
+                pdf,
+                dirac: false,
+                trace_over_connect: density / (pdf * jacobian),
+                emission: INV_PI * jacobian,
+                medium: NONE,
+            })
+        } else {
+            None
+        };
     }
     // A uniform point, as any walk would draw it.
     shine(scene, e, &place(&scene, primitive, xi)?, 1.0, y)
@@ -118,16 +123,20 @@ pub(super) fn shine<S: Spectrum>(
     let distance = sqrt(squared);
     let direction = to_light * (1.0 / distance);
     let cos_light = -direction.dot(place.normal);
-    (cos_light > 0.0).then(|| Incident {
-        direction,
-        end: Some(place.position + place.normal * place.offset),
-        radiance: scene.emitted(e),
-        pdf: Real::from(e.density) * over_trace * squared / cos_light,
-        dirac: false,
-        trace_over_connect: 1.0 / over_trace,
-        emission: INV_PI * cos_light / squared,
-        medium: NONE,
-    })
+    if cos_light > 0.0 {
+        Some(Incident {
+            direction,
+            end: Some(place.position + place.normal * place.offset),
+            radiance: scene.emitted(e),
+            pdf: Real::from(e.density) * over_trace * squared / cos_light,
+            dirac: false,
+            trace_over_connect: 1.0 / over_trace,
+            emission: INV_PI * cos_light / squared,
+            medium: NONE,
+        })
+    } else {
+        None
+    }
 }
 
 /// Light that leaves: a uniform point, a direction by the cosine.

@@ -36,10 +36,10 @@ use crate::blob::format::NONE;
 #[cfg(any(feature = "glossy", feature = "media"))]
 use crate::blob::format::needs;
 use crate::blob::{Scene, View};
-#[cfg(feature = "media")]
-use crate::instance::Complete;
 #[cfg(feature = "glossy")]
 use crate::instance::GlossySurfaces;
+#[cfg(feature = "media")]
+use crate::instance::{Complete, Volumes};
 use crate::instance::{Instance, Surfaces};
 use crate::path::{Heuristic, Mis, Trace};
 use crate::random::{Numbers, Purpose, Sampler, Sequence, Subpath, Work};
@@ -314,7 +314,11 @@ fn dispatch<E: Errand>(scene: &Scene<'_>, scratch: &mut ScratchView<'_>, errand:
         Light::Spectral(light) => by!(Complete<Hero>, light),
         #[cfg(feature = "media")]
         Light::Rgb(light) if scene.has(needs::MEDIA | needs::DISPERSION) => {
-            by!(Complete<Rgb>, light)
+            if Volumes::<Rgb>::APART && !scene.has(needs::GLOSSY | needs::DISPERSION) {
+                by!(Volumes<Rgb>, light)
+            } else {
+                by!(Complete<Rgb>, light)
+            }
         }
         #[cfg(feature = "glossy")]
         Light::Rgb(light) if scene.has(needs::GLOSSY) => by!(GlossySurfaces<Rgb>, light),
