@@ -262,8 +262,10 @@ typedef struct EtdSettings {
     float large_steps;
     // `ETD_METROPOLIS`: the largest change of a random number in what steps are left, above 0, at most 0.5.
     float step_size;
-    // `ETD_METROPOLIS`: the share of the other steps that keep the walk from the light and draw the sensor's anew, anywhere in the image, 0 to 1.
+    // `ETD_METROPOLIS`: the share of the other steps that move the path's place in the image and nothing else, 0 to 1.
     float view_steps;
+    // `ETD_METROPOLIS`: what chains leave to the samples of the bootstrap: what a contribution carries up to so much, a radiance, at least 0. 0: nothing.
+    float above;
 } EtdSettings;
 
 // What happened since the scratch was made or its counters were last cleared.
@@ -542,9 +544,11 @@ EtdStatus etd_pilot(const struct EtdScene *scene,
 // Bytes of memory that a chain needs.
 size_t etd_chain_size(void);
 
-// Estimates of the image's mean (over pixels and channels, radiance), by samples number `first` to `first + count`, one each, into `estimates[count]`.
-// Their mean is what `etd_chain_advance` scales by; each chain should start from one of these samples, drawn in proportion to its estimate: tens of
-// thousands are a good number, and a few of each pixel. `with->estimator` is `ETD_METROPOLIS`; `hooks` may be null, `closest` and `random` have to be.
+// Estimates of the mean (over pixels and channels, radiance) of what chains are to give, by samples number `first` to `first + count`, one each, into
+// `estimates[count]`. Their mean is what `etd_chain_advance` scales by; each chain should start from one of these samples, drawn in proportion to its
+// estimate: tens of thousands are a good number, and a few of each pixel; as many in a row as the image has pixels begin in each once. What
+// `with->above` leaves to the samples goes to `hooks->splat`, which must be there if that isn't 0: with n samples per pixel, the image is the sum of
+// these splats/n, and what chains give. `with->estimator` is `ETD_METROPOLIS`; `hooks` may be null, `closest` and `random` have to be.
 EtdStatus etd_chain_bootstrap(const struct EtdScene *scene,
                               const struct EtdSettings *with,
                               const struct EtdHooks *hooks,

@@ -12,10 +12,10 @@ use etendue_tests::{deep, samples, some};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicBool;
 
-/// Renders that are independent of each other, bootstrap included: what spreads them is all the chance that there is.
+/// Renders that are independent of each other, pilots included: what spreads them is all the chance that there is.
 const RUNS: u64 = 24;
-/// Steps per pixel of each; four times as many if tests are to be deep.
-const PASSES: u64 = 64;
+/// Samples per pixel of each, and what chains make of them; four times as many if tests are to be deep.
+const PASSES: u64 = 16;
 
 fn rendered(bytes: &AlignedBlob, seed: u64, passes: u64, threads: usize, large: f32) -> Rendered {
     let scene = Scene::open(bytes.bytes()).unwrap();
@@ -119,27 +119,80 @@ fn starts_are_where_they_were_drawn() {
     for (name, d, _) in some(scenes, 2) {
         let bytes = blob(&d);
         let scene = Scene::open(bytes.bytes()).unwrap();
-        let settings = Settings {
-            mutations: Mutations {
-                large: 0.0,
-                view: 0.0,
-                size: 1e-6,
-            },
-            ..Settings::default()
-        };
+        let mean = brightness(&scene);
+        for above in [0.0, 0.5 * mean] {
+            let settings = Settings {
+                mutations: Mutations {
+                    large: 0.0,
+                    view: 0.0,
+                    size: 1e-6,
+                    above,
+                },
+                ..Settings::default()
+            };
+            let mut scratch = Scratch::<32>::new();
+            let view = &mut scratch.view(&scene);
+            let (mut chain, mut starts, mut accepted) = (Chain::<16>::new(), 0, 0.0);
+            for sample in 0..4000 {
+                if scene.bootstrap(&settings, sample, view, &mut |_, _| ()) > 0.0 {
+                    chain.start(&scene, &settings, sample, sample, view);
+                    chain.advance(&scene, &settings, 1.0, 1, view, &mut |_, _| ());
+                    (starts, accepted) = (starts + 1, accepted + f64::from(chain.accepted()));
+                }
+            }
+            let share = accepted / f64::from(starts);
+            println!("{name} above {above}: {share} of {starts}");
+            assert!(starts > 100 && share > 0.98, "{name}: {share} of {starts}");
+        }
+    }
+}
+
+/// The image's mean, by a thousand samples.
+fn brightness(scene: &Scene<'_>) -> f32 {
+    let (settings, mut scratch) = (Settings::default(), Scratch::<32>::new());
+    let view = &mut scratch.view(scene);
+    let samples = (0..1000).map(|i| scene.bootstrap(&settings, i, view, &mut |_, _| ()));
+    samples.sum::<f32>() / 1000.0
+}
+
+/// What is left to samples and what isn't are the whole: whatever the bound, sample by sample.
+#[test]
+fn samples_and_chains_share_each_contribution() {
+    let mut scenes = scenes::objects();
+    scenes.extend(scenes::glossy());
+    scenes.extend(media::fogs());
+    for (name, d, _) in some(scenes, 2) {
+        let bytes = blob(&d);
+        let scene = Scene::open(bytes.bytes()).unwrap();
+        let mean = brightness(&scene);
         let mut scratch = Scratch::<32>::new();
         let view = &mut scratch.view(&scene);
-        let (mut chain, mut starts, mut accepted) = (Chain::<16>::new(), 0, 0.0);
-        for sample in 0..2000 {
-            if scene.bootstrap(&settings, sample, view) > 0.0 {
-                chain.start(&scene, &settings, sample, sample, view);
-                chain.advance(&scene, &settings, 1.0, 1, view, &mut |_, _| ());
-                (starts, accepted) = (starts + 1, accepted + f64::from(chain.accepted()));
-            }
+        let mut sums = [0.0; 2];
+        for sample in 0..1000 {
+            let [whole, parts] = [0.0, 0.5 * mean].map(|above| {
+                let mutations = Mutations {
+                    above,
+                    ..Mutations::default()
+                };
+                let settings = Settings {
+                    mutations,
+                    ..Settings::default()
+                };
+                let mut below = 0.0;
+                let add = &mut |_, v: etendue::Rgb| below += (v.r + v.g + v.b) / 3.0;
+                let beyond = scene.bootstrap(&settings, sample, view, add);
+                sums[usize::from(above > 0.0)] += beyond;
+                below + beyond
+            });
+            let error = (parts - whole).abs();
+            assert!(error <= 1e-4 * whole, "{name}: {parts} for {whole}");
         }
-        let share = accepted / f64::from(starts);
-        println!("{name}: {share} of {starts}");
-        assert!(starts > 100 && share > 0.98, "{name}: {share} of {starts}");
+        // Both have a part.
+        let [all, beyond] = sums;
+        assert!(
+            0.0 < beyond && beyond < 0.99 * all,
+            "{name}: {beyond} of {all}"
+        );
     }
 }
 
@@ -147,7 +200,7 @@ fn bits(r: &Rendered) -> Vec<u32> {
     r.image.as_flattened().iter().map(|x| x.to_bits()).collect()
 }
 
-/// Threads and batches are nothing to the bits; a seed is. More passes than the first age: chains have started over.
+/// Threads and batches are nothing to the bits; a seed is.
 #[test]
 fn any_threads_give_the_same_bits() {
     let bytes = blob(&scenes::plain());
@@ -179,12 +232,14 @@ fn the_dark_is_dark() {
     assert!(r.image.as_flattened().iter().all(|&x| x == 0.0));
 }
 
-/// The mean of what all chains splat is that of the bootstrap, whatever the share of large steps: the image's brightness is that mean alone.
+/// The image's brightness is that of the samples, but for less than a chain (the energy of 1024/6 samples) for each 64 pixels, whatever the share of
+/// large steps.
 #[test]
-fn brightness_is_that_of_the_bootstrap() {
+fn brightness_is_that_of_the_samples() {
+    const PASSES: u64 = 256;
     let bytes = blob(&scenes::plain());
     for large in [0.0, 0.3, 1.0] {
-        let r = rendered(&bytes, 1, 64, 2, large);
+        let r = rendered(&bytes, 1, PASSES, 2, large);
         let mean = r
             .image
             .as_flattened()
@@ -193,6 +248,9 @@ fn brightness_is_that_of_the_bootstrap() {
             .sum::<f64>()
             / (3 * r.image.len()) as f64;
         let report = r.chains.unwrap();
-        assert!((mean / report.mean - 1.0).abs() < 1e-4, "{mean} {report:?}");
+        assert!(
+            (mean / report.mean - 1.0).abs() < 1024.0 / 6.0 / (64.0 * PASSES as f64),
+            "{mean} {report:?}"
+        );
     }
 }

@@ -193,7 +193,7 @@ fn chains_give_the_kernels_bits() {
     let mut scratch = Scratch::<32>::new();
     let view = &mut scratch.view(&scene);
     let estimates: Vec<f32> = (0..SAMPLES)
-        .map(|sample| scene.bootstrap(&settings, sample, view))
+        .map(|sample| scene.bootstrap(&settings, sample, view, &mut |_, _| ()))
         .collect();
     let sum: f64 = estimates.iter().map(|&e| f64::from(e)).sum();
     let [width, height] = scene.size();

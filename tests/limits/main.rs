@@ -80,7 +80,7 @@ fn chains<const N: usize>(scene: &Scene<'_>, scratch: &mut Scratch<N>) -> f32 {
     let mut chain = Chain::<16>::new();
     let mut sum = 0.0;
     for sample in 0..50 {
-        if scene.bootstrap(&settings, sample, view) > 0.0 {
+        if scene.bootstrap(&settings, sample, view, &mut |_, _| ()) > 0.0 {
             chain.start(scene, &settings, sample, sample, view);
             chain.advance(scene, &settings, 1.0, 20, view, &mut |_, v| sum += v.g);
         }

@@ -26,7 +26,7 @@ pub struct How {
     /// metropolis: how often a step is a path drawn anew, 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = Mutations::default().large, value_parser = share)]
     large_steps: f32,
-    /// metropolis: the share of the other steps that keep the walk from the light and draw the sensor's anew, anywhere in the image
+    /// metropolis: the share of the other steps that move the path's place in the image and nothing else
     #[arg(long, value_name = "SHARE", default_value_t = Mutations::default().view, value_parser = share)]
     view_steps: f32,
     /// distributed: rays that go on from a vertex, by level; paths have at most an edge more than there are levels

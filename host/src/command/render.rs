@@ -255,6 +255,7 @@ impl Render {
                     "bootstrap_paths": c.bootstraps,
                     "mean": c.mean,
                     "mean_relative_error": c.error,
+                    "above": c.above,
                     "largest_step": c.size,
                     "small_steps_accepted": c.accepted,
                 })),
@@ -283,12 +284,12 @@ impl Render {
             );
             if let Some(c) = &r.chains {
                 eprintln!(
-                    "{} chains, {:.0} % of small steps (up to {:.1e}) accepted; brightness of the whole to {:.2} % (one standard error, {} paths)",
+                    "{} chains for what contributions carry beyond {:.2e}, {:.0} % of small steps (up to {:.1e}) accepted; brightness of the whole to {:.2} % (one standard error)",
                     c.chains,
+                    c.above,
                     100.0 * c.accepted,
                     c.size,
-                    100.0 * c.error,
-                    c.bootstraps
+                    100.0 * c.error
                 );
             }
         }

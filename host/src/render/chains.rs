@@ -1,16 +1,16 @@
-//! Metropolis chains on all cores. What they are and where they start depends on the scene, the settings, the image's size and the number of passes,
-//! never on threads.
+//! Metropolis chains on all cores. What they are and where they start depends on the scene, the settings and the image's size, never on threads.
 //!
-//! 1. A bootstrap of whole samples estimates the image's mean and gives starts.
+//! 1. A pilot of whole samples, thrown away, says how much of a contribution is left to samples, and how many steps each of them is worth ([`Balance`]).
 //! 2. Pilot chains find the size of steps and are thrown away.
-//! 3. Chains run, and beside them goes on the bootstrap. After [`FIRST_AGE`] passes, and whenever there are four times as many, they start over from
-//!    what is known by then: how many chains there are of each length and strategy is as good as the bootstrap, and has to become better with the image.
+//! 3. A pass makes a whole sample of each pixel. What samples leave to chains is energy (Cline et al. 2005): it is gathered along a row of pixels, and each time
+//!    there is enough of it for a chain, one starts at the sample that has brought the last of it. That draws starts in proportion to their
+//!    energy, evenly; and as each chain takes as many steps and hands out as much, whatever it started from, the image is right in the mean after any
+//!    number of passes.
 
 use super::crew::{Run, each_once};
-use super::{CAPACITY, Course, Job, Progress, RenderError, Rendered, Worker, add_up, lock};
+use super::{CAPACITY, Course, Job, Progress, RenderError, Rendered, Worker, add_up, grey, lock};
 use crate::memory::attempt;
 use crate::render::Budget;
-use crate::statistics::Tail;
 use etendue::estimate::Chain;
 use etendue::film::{Refused, Step, Sum, merge};
 use etendue::random::{Pcg, Purpose, Sampler};
@@ -20,24 +20,21 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Pixels for each chain, within the bounds on how many chains there are.
+/// Pixels in a row whose samples' energy is gathered.
 const PIXELS: u64 = 64;
-const FEWEST: u64 = 256;
-const MOST: u64 = 4096;
+/// Steps of a chain. With 64, 256, 1024, 4096, 16384 of them, glass-caustic.xml has 0.4, 0.7, 0.9, 1, 1 of the efficiency; door-ajar.xml 0.8, 0.9, 1, 0.9, 0.7.
+const LENGTH: u64 = 1024;
+/// The most chains from one sample; where it has the energy of more, each hands out more.
+const MOST_CHAINS: u64 = 64;
 /// Vertices of either walk whose numbers a chain records.
 const VERTICES: usize = 16;
-/// Samples of the bootstrap: for each pixel, and the bounds on how many.
-const STARTS_PER_PIXEL: u64 = 2;
-const FEWEST_STARTS: u64 = 1 << 13;
-const MOST_FIRST_STARTS: u64 = 1 << 16;
-/// For so many steps one more sample is made for the bootstrap.
-const STEPS_PER_START: u64 = 16;
-/// Of those so many are kept to start from.
-const MOST_STARTS: u64 = 1 << 22;
-/// Samples of it in a job.
-const PART: u64 = 1 << 10;
-/// Passes until chains start over for the first time.
-const FIRST_AGE: u64 = 16;
+/// Samples of the pilot have numbers that no others have.
+const PILOT: u64 = 1 << 62;
+/// Samples that say how bright the image is; pairs of samples of a pixel that say how good a balance is.
+const MEANS: u64 = 1 << 14;
+const PAIRS: u64 = 1 << 10;
+/// Pairs in a job.
+const PART: u64 = 1 << 6;
 /// The chains that find the size of steps and are thrown away: how many, how often the size is changed, steps in between.
 const PILOTS: u64 = 16;
 const ROUNDS: u64 = 12;
@@ -50,15 +47,17 @@ const START: u64 = 0x7374_6172_7400_0000;
 pub struct ChainReport {
     /// How many there were.
     pub chains: u64,
-    /// Samples that the image's mean was estimated from.
+    /// Samples that they started from, or might have.
     pub bootstraps: u64,
-    /// That mean, over pixels and channels.
+    /// The image's mean, over pixels and channels.
     pub mean: f64,
     /// Its relative standard error: the whole image may be brighter or darker by so much.
     pub error: f64,
+    /// What of a contribution was left to samples: what it carries up to this, a radiance.
+    pub above: f64,
     /// The largest step of a number, as the pilots found it.
     pub size: f64,
-    /// The share of small steps that were accepted since the chains started over.
+    /// The share of small steps that were accepted.
     pub accepted: f64,
 }
 
@@ -103,113 +102,152 @@ impl Mean {
     }
 }
 
-/// A chain, and the estimates of the mean that are made beside it.
+/// A row of pixels, and the chain that its energy goes to.
 #[derive(Default)]
-struct Link {
+struct Row {
     chain: Chain<VERTICES>,
+    /// Energy, as a share of what makes a chain.
+    gathered: f64,
+    chains: u64,
+    accepted: f64,
     mean: Mean,
-    /// Those since chains started over, as far as they are kept, and how many there were before.
-    estimates: Vec<f32>,
-    before: u64,
+}
+
+/// What is left to samples, and what that means.
+#[derive(Clone, Copy, Debug, Default)]
+struct Balance {
+    /// [`etendue::estimate::Mutations::above`].
+    above: f64,
+    /// The variance of a pixel that remains whatever chains do, for each sample: of what samples give, and of what they leave, as far as chains spread it.
+    variance: f64,
+    /// What chains give: the mean over pixels.
+    energy: f64,
+}
+
+impl Balance {
+    /// Of these multiples of the image's mean.
+    const ABOVE: [f64; 6] = [0.0, 0.125, 0.5, 2.0, 8.0, 32.0];
+    /// Steps for each sample, if all was left to chains: what a step hands out is the image's mean over this. With 1, 2, 4, 8, 16 of them door-ajar.xml has
+    /// 0.6, 0.9, 1, 1, 0.8 of the efficiency; glass-caustic.xml does best with few.
+    const STEPS: f64 = 6.0;
+    /// How many steps of a chain are worth one that is independent of all others: 12 to 15 in door-ajar.xml.
+    const CORRELATION: f64 = 12.0;
+    /// Time of a step over that of a sample.
+    const TIME: f64 = 0.3;
+    /// Pixels that a chain spreads over, about.
+    const REACH: f64 = 256.0;
+
+    /// Variance times time, of a sample and its share of steps that hand out `step`.
+    fn cost(&self, step: f64) -> f64 {
+        let variance = self.variance + Self::CORRELATION * step * self.energy;
+        variance * (1.0 + Self::TIME * self.energy / step)
+    }
 }
 
 /// Everything that is the same for all steps.
 struct Plan<'j, 'a> {
     job: &'j Job<'a>,
     settings: Settings,
-    /// The mean that splats are scaled by.
-    scale: f64,
-    chains: u64,
-    /// Steps of a chain in a pass.
-    steps: u64,
-    /// Samples of the bootstrap that a chain makes in a row, and passes from one row to the next.
-    starts: u64,
-    period: u64,
-}
-
-/// Where chains may start: the sums of the estimates up to each sample.
-struct Starts {
-    sums: Vec<f64>,
-    /// The first sample of each row of samples whose numbers follow each other, and its number.
-    rows: Vec<(usize, u64)>,
-}
-
-impl Starts {
-    fn new(scouted: &[f32]) -> Self {
-        let mut all = Self {
-            sums: Vec::new(),
-            rows: Vec::new(),
-        };
-        all.add(scouted, 0);
-        all
-    }
-
-    /// More samples, whose numbers follow `first`.
-    fn add(&mut self, estimates: &[f32], first: u64) {
-        self.rows.push((self.sums.len(), first));
-        let mut sum = self.total();
-        self.sums.extend(estimates.iter().map(|&e| {
-            sum += f64::from(e);
-            sum
-        }));
-    }
-
-    fn total(&self) -> f64 {
-        self.sums.last().copied().unwrap_or(0.0)
-    }
-
-    /// The sample that number `i` of `count` starts starts from: in proportion to the estimates, each in its own share of their sum.
-    fn draw(&self, seed: u64, i: u64, count: u64) -> u64 {
-        let xi = f64::from(Pcg::new(seed, START, i).one(Purpose::Choice));
-        let place = (i as f64 + xi) / count as f64 * self.total();
-        let at = self.sums.partition_point(|&sum| sum <= place);
-        let at = at.min(self.sums.len().saturating_sub(1));
-        let row = self.rows.partition_point(|&(first, _)| first <= at);
-        let (first, number) = self.rows[row - 1];
-        number + (at - first) as u64
-    }
+    pixels: u64,
+    /// What a step hands out.
+    energy: f64,
 }
 
 impl Plan<'_, '_> {
-    /// The mean of sample `index` of the bootstrap.
-    fn estimate(&self, index: u64, scratch: &mut Scratch<CAPACITY>) -> f32 {
+    /// Sample `index`: the energy that it leaves to chains.
+    fn sample(
+        &self,
+        settings: &Settings,
+        index: u64,
+        scratch: &mut Scratch<CAPACITY>,
+        below: &mut dyn FnMut([u32; 2], Rgb),
+    ) -> f32 {
         let scene = self.job.scene;
-        scene.bootstrap(&self.settings, index, &mut scratch.view(scene))
+        scene.bootstrap(settings, index, &mut scratch.view(scene), below)
     }
 
-    /// The first `count` samples.
-    fn bootstrap(&self, run: &Run<'_>, count: u64) -> Result<Vec<f32>, RenderError> {
-        let too_large = |_| RenderError::TooLarge {
-            size: self.job.size,
-        };
-        let mut all = attempt(count as usize).map_err(too_large)?;
-        all.resize(count as usize, 0.0);
+    /// Pilot samples leave all to chains: what `count` of them leave, one after the other.
+    fn energies(&self, run: &Run<'_>, count: u64) -> Result<Vec<f32>, RenderError> {
+        let mut all = vec![0.0; count as usize];
         let parts: Vec<_> = all.chunks_mut(PART as usize).map(Mutex::new).collect();
         each_once(run, parts.len(), &|i| {
             let mut scratch = Box::new(Scratch::new());
-            for (estimate, index) in lock(&parts[i]).iter_mut().zip(i as u64 * PART..) {
-                *estimate = self.estimate(index, &mut scratch);
+            let first = PILOT + i as u64 * PART;
+            for (energy, index) in lock(&parts[i]).iter_mut().zip(first..) {
+                *energy = self.sample(&self.settings, index, &mut scratch, &mut |_, _| ());
             }
         })?;
         drop(parts);
         Ok(all)
     }
 
-    /// The size of steps, by chains that are thrown away.
-    fn tune(&mut self, run: &Run<'_>, starts: &Starts) -> Result<(), RenderError> {
-        for round in 0..ROUNDS {
+    /// What leaving `above` to samples means in an image that is `mean` bright, by two samples each of pixels all over it.
+    fn balance(&self, run: &Run<'_>, mean: f64, above: f64) -> Result<Balance, RenderError> {
+        let mut settings = self.settings;
+        settings.mutations.above = above as Real;
+        let width = u64::from(self.job.size[0]);
+        let parts: Vec<_> = (0..PAIRS / PART).map(|_| Mutex::new([0.0; 2])).collect();
+        each_once(run, parts.len(), &|i| {
+            let mut scratch = Box::new(Scratch::new());
+            let [mut variance, mut below] = [0.0; 2];
+            for pair in i as u64 * PART..(i as u64 + 1) * PART {
+                let at = (pair * self.pixels / PAIRS + pair) % self.pixels;
+                let pixel = [(at % width) as u32, (at / width) as u32];
+                let own = [1, 2].map(|k| {
+                    let mut own = 0.0;
+                    let index = PILOT / self.pixels * self.pixels + k * MEANS * self.pixels + at;
+                    let left = self.sample(&settings, index, &mut scratch, &mut |p, v| {
+                        let value = f64::from(grey(v)) / 3.0;
+                        below += value / 2.0;
+                        if p == pixel {
+                            own += value;
+                        } else {
+                            // One of few that come to a pixel from afar.
+                            variance += value * value / 2.0;
+                        }
+                    });
+                    variance += f64::from(left).powi(2) / Balance::REACH / 2.0;
+                    own
+                });
+                variance += (own[0] - own[1]).powi(2) / 2.0;
+            }
+            *lock(&parts[i]) = [variance, below];
+        })?;
+        let sum = |i: usize| parts.iter().map(|p| lock(p)[i]).sum::<f64>() / PAIRS as f64;
+        Ok(Balance {
+            above,
+            variance: sum(0),
+            // By what is below, which has a mean that few samples tell; what is beyond may all be in one that they don't have.
+            energy: (mean - sum(1)).max(0.0),
+        })
+    }
+
+    /// The size of steps, by chains that are thrown away. They start from those samples of the pilot that leave them anything.
+    fn tune(&mut self, run: &Run<'_>) -> Result<(), RenderError> {
+        let energies = self.energies(run, MEANS)?;
+        let mut sum = 0.0;
+        let sums: Vec<f64> = energies
+            .iter()
+            .map(|&e| {
+                sum += f64::from(e);
+                sum
+            })
+            .collect();
+        let rounds = if sum > 0.0 { ROUNDS } else { 0 };
+        for round in 0..rounds {
             let accepted: Vec<_> = (0..PILOTS).map(|_| Mutex::new(0.0)).collect();
             let plan = &*self;
             each_once(run, accepted.len(), &|i| {
-                let mut scratch = Box::new(Scratch::new());
-                // Starts of all kinds in each round.
+                let mut scratch = Box::new(Scratch::<CAPACITY>::new());
+                // Starts of all kinds in each round, in proportion to their energy.
                 let id = i as u64 * ROUNDS + round;
-                let from = starts.draw(plan.settings.seed, id, PILOTS * ROUNDS);
-                let mut pilot = Box::<Link>::default();
-                plan.start(&mut pilot, u64::MAX - id, from, &mut scratch);
-                let view = &mut scratch.view(plan.job.scene);
+                let xi = f64::from(Pcg::new(plan.settings.seed, START, id).one(Purpose::Choice));
+                let place = (id as f64 + xi) / (PILOTS * ROUNDS) as f64 * sum;
+                let from = sums.partition_point(|&s| s <= place).min(sums.len() - 1) as u64;
                 let Plan { job, settings, .. } = plan;
-                let chain = &mut pilot.chain;
+                let mut chain = Box::<Chain<VERTICES>>::default();
+                let view = &mut scratch.view(job.scene);
+                chain.start(job.scene, settings, u64::MAX - id, PILOT + from, view);
                 chain.advance(job.scene, settings, 1.0, PILOT_STEPS, view, &mut |_, _| ());
                 *lock(&accepted[i]) = f64::from(chain.accepted());
             })?;
@@ -219,50 +257,42 @@ impl Plan<'_, '_> {
         Ok(())
     }
 
-    fn start(&self, link: &mut Link, id: u64, from: u64, scratch: &mut Scratch<CAPACITY>) {
-        let view = &mut scratch.view(self.job.scene);
-        let Self { job, settings, .. } = self;
-        link.chain.start(job.scene, settings, id, from, view);
-    }
-
-    /// The number of the first sample in a row of the bootstrap that chain `id` makes.
-    fn first_start(&self, id: u64, row: u64) -> u64 {
-        MOST_FIRST_STARTS + (row * self.chains + id) * self.starts
-    }
-
-    /// One pass of chain `id`: the same splats whatever passes are done in one go.
-    fn pass(&self, id: u64, pass: u64, link: &mut Link, worker: &mut Worker) {
+    /// One pass of row `id`: the same splats whatever passes are done in one go.
+    fn pass(&self, id: u64, pass: u64, row: &mut Row, worker: &mut Worker) {
         let Self { job, settings, .. } = self;
         let Worker {
-            scratch, splats, ..
+            scratch,
+            splats,
+            heaviest,
+            ..
         } = worker;
-        let splat = &mut |pixel, value| splats.add(pixel, value);
-        let (view, scale) = (&mut scratch.view(job.scene), self.scale as Real);
-        let chain = &mut link.chain;
-        chain.advance(job.scene, settings, scale, self.steps, view, splat);
-        if !pass.is_multiple_of(self.period) {
-            return;
-        }
-        let first = self.first_start(id, pass / self.period);
-        for index in first..first + self.starts {
-            let estimate = self.estimate(index, scratch);
-            link.mean.add(job.step, estimate);
-            if link.mean.count <= MOST_STARTS / self.chains {
-                link.estimates.push(estimate);
+        for at in id * PIXELS..((id + 1) * PIXELS).min(self.pixels) {
+            let index = pass * self.pixels + at;
+            let mut all = 0.0;
+            let energy = self.sample(settings, index, scratch, &mut |pixel, value| {
+                all += grey(value);
+                splats.add(pixel, value);
+            });
+            all += 3.0 * energy;
+            heaviest.add(all);
+            row.mean.add(job.step, all / 3.0);
+            if energy <= 0.0 {
+                continue;
             }
-        }
-    }
-
-    /// All that chains can start from after some passes.
-    fn known(&self, starts: &mut Starts, links: &[Mutex<Link>]) {
-        for (link, id) in links.iter().zip(0..) {
-            let link = &mut *lock(link);
-            let rows = link.estimates.chunks(self.starts as usize);
-            for (estimates, row) in rows.zip(link.before / self.starts..) {
-                starts.add(estimates, self.first_start(id, row));
+            row.gathered += f64::from(energy) / (self.energy * LENGTH as f64);
+            let wanted = row.gathered.floor();
+            row.gathered -= wanted;
+            let chains = wanted.min(MOST_CHAINS as f64);
+            let each = (self.energy * wanted / chains.max(1.0)) as Real;
+            for _ in 0..chains as u64 {
+                let view = &mut scratch.view(job.scene);
+                let (chain, number) = (&mut row.chain, id << 32 | row.chains);
+                chain.start(job.scene, settings, number, index, view);
+                let splat = &mut |pixel, value| splats.add(pixel, value);
+                chain.advance(job.scene, settings, each, LENGTH, view, splat);
+                row.chains += 1;
+                row.accepted += f64::from(chain.accepted());
             }
-            link.estimates = Vec::new();
-            link.before = link.mean.count;
         }
     }
 }
@@ -277,78 +307,80 @@ pub(super) fn render(
 ) -> Result<Rendered, RenderError> {
     let step = job.step;
     let pixels = job.size.map(u64::from).iter().product::<u64>();
-    let chains = (pixels / PIXELS).clamp(FEWEST, MOST);
-    let steps = pixels.div_ceil(chains);
     let begun = Instant::now();
     let mut plan = Plan {
         job,
         settings: job.settings,
-        scale: 0.0,
-        chains,
-        steps,
-        starts: steps.div_ceil(STEPS_PER_START),
-        period: (STEPS_PER_START / steps).max(1),
+        pixels,
+        energy: 0.0,
     };
-    let first = (STARTS_PER_PIXEL * pixels).clamp(FEWEST_STARTS, MOST_FIRST_STARTS);
-    let mut mean = Mean::default();
-    let estimates = plan.bootstrap(run, first)?;
-    estimates.iter().for_each(|&e| mean.add(step, e));
-    let tail = Tail::of(&estimates);
-    let mut starts = Starts::new(&estimates);
-    let dark = starts.total() <= 0.0;
-    plan.scale = mean.value(step);
-    if !dark {
-        plan.tune(run, &starts)?;
+    let energies = plan.energies(run, MEANS)?;
+    let mean = energies.iter().map(|&e| f64::from(e)).sum::<f64>() / MEANS as f64;
+    if mean > 0.0 {
+        plan.energy = mean / Balance::STEPS;
+        let mut best = plan.balance(run, mean, 0.0)?;
+        for above in &Balance::ABOVE[1..] {
+            let found = plan.balance(run, mean, above * mean)?;
+            if found.cost(plan.energy) < best.cost(plan.energy) {
+                best = found;
+            }
+        }
+        plan.settings.mutations.above = best.above as Real;
+        plan.tune(run)?;
+    } else {
+        // Where nothing is known of what chains would have to hand out, samples are all there is.
+        plan.settings.mutations.above = Real::MAX;
+        plan.energy = 1.0;
     }
 
-    let links: Vec<_> = (0..chains).map(|_| Mutex::new(Link::default())).collect();
+    let count = pixels.div_ceil(PIXELS);
+    let rows: Vec<_> = (0..count)
+        .map(|id| {
+            let xi = Pcg::new(plan.settings.seed, START, !id).one(Purpose::Choice);
+            Mutex::new(Row {
+                gathered: f64::from(xi),
+                ..Row::default()
+            })
+        })
+        .collect();
     let mut course = Course::new(budget, begun);
-    let (mut age, mut end) = (0, FIRST_AGE);
     while course.goes_on() {
         let work = |i: usize, passes: std::ops::Range<u64>, worker: &mut Worker| {
-            let (link, id) = (&mut *lock(&links[i]), i as u64);
-            if passes.start == age && !dark {
-                let from = starts.draw(plan.settings.seed ^ age, id, chains);
-                // Chains that start over are others.
-                plan.start(link, id ^ age << 32, from, &mut worker.scratch);
-            }
+            let (row, id) = (&mut *lock(&rows[i]), i as u64);
             for pass in passes {
-                plan.pass(id, pass, link, worker);
+                plan.pass(id, pass, row, worker);
             }
-            steps
+            PIXELS.min(pixels - id * PIXELS)
         };
-        job.spend(&mut course, end, run, stop, watch, links.len(), &work)?;
-        plan.known(&mut starts, &links);
-        (age, end) = (end, end * 4);
+        job.spend(&mut course, u64::MAX, run, stop, watch, rows.len(), &work)?;
     }
 
-    let (mut accepted, count) = (0.0, links.len() as f64);
-    for link in links {
-        let link = link.into_inner().unwrap_or_else(PoisonError::into_inner);
-        accepted += f64::from(link.chain.accepted()) / count;
-        mean.merge(&link.mean);
+    let (mut mean, mut chains, mut accepted) = (Mean::default(), 0, 0.0);
+    for row in rows {
+        let row = row.into_inner().unwrap_or_else(PoisonError::into_inner);
+        mean.merge(&row.mean);
+        chains += row.chains;
+        accepted += row.accepted;
     }
-    let (value, done) = (mean.value(step), course.done);
+    let done = course.done;
     let (mut rendered, splats) = course.collect(job.size);
     rendered.refused += mean.refused;
-    rendered.tail = Some(tail);
     rendered.chains = Some(ChainReport {
         chains,
         bootstraps: mean.count,
-        mean: value,
+        mean: mean.value(step),
         error: mean.error(step),
+        above: f64::from(plan.settings.mutations.above),
         size: f64::from(plan.settings.mutations.size),
-        accepted,
+        accepted: accepted / chains.max(1) as f64,
     });
     let splats = add_up(run, splats)?;
-    // What splats were scaled by, against what is known of it now.
-    let brighter = if dark { 0.0 } else { value / plan.scale };
     let too_large = |_| RenderError::TooLarge { size: job.size };
     rendered.image = attempt(pixels as usize).map_err(too_large)?;
     rendered.image.resize(pixels as usize, [0.0; 3]);
     for (pixel, sum) in rendered.image.iter_mut().zip(&splats) {
-        let value = step.resolve(&[0; 3], sum, 1, done * chains * steps, pixels);
-        *pixel = value.map(|x| (x * brighter) as f32);
+        let value = step.resolve(&[0; 3], sum, 1, done * pixels, pixels);
+        *pixel = value.map(|x| x as f32);
     }
     Ok(rendered)
 }

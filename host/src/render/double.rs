@@ -116,6 +116,7 @@ pub(crate) fn wide(s: &Settings) -> double::Settings {
             large: s.mutations.large.into(),
             view: s.mutations.view.into(),
             size: s.mutations.size.into(),
+            above: s.mutations.above.into(),
         },
         explicit_weights: s.explicit_weights,
     }

@@ -128,7 +128,8 @@ macro_rules! kernel {
                 let mut sums = Vec::new();
                 let mut total = 0.0;
                 for index in 0..STARTS * samples {
-                    let mean = scene.bootstrap(settings, index, &mut scratch.view(scene));
+                    let mean =
+                        scene.bootstrap(settings, index, &mut scratch.view(scene), &mut |_, _| ());
                     total += f64::from(mean);
                     sums.push(total);
                     film.batch.contributions.push(3.0 * mean as f32);

@@ -45,7 +45,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rows = if settings.estimator == Estimator::Metropolis {
         // A chain for each row, from a sample that meets light.
         let mut view = scratch.view(&scene);
-        let starts = (0..1 << 20).filter(|&i| scene.bootstrap(&settings, i, &mut view) > 0.0);
+        let starts = (0..1 << 20)
+            .filter(|&i| scene.bootstrap(&settings, i, &mut view, &mut |_, _| ()) > 0.0);
         let starts: Vec<u64> = starts.take(height as usize).collect();
         for (id, index) in (0..).zip(starts) {
             let mut chain = etendue::estimate::Chain::<16>::new();

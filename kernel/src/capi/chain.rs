@@ -69,9 +69,11 @@ pub extern "C" fn etd_chain_size() -> usize {
     size_of::<Held>()
 }
 
-/// Estimates of the image's mean (over pixels and channels, radiance), by samples number `first` to `first + count`, one each, into `estimates[count]`.
-/// Their mean is what `etd_chain_advance` scales by; each chain should start from one of these samples, drawn in proportion to its estimate: tens of
-/// thousands are a good number, and a few of each pixel. `with->estimator` is `ETD_METROPOLIS`; `hooks` may be null, `closest` and `random` have to be.
+/// Estimates of the mean (over pixels and channels, radiance) of what chains are to give, by samples number `first` to `first + count`, one each, into
+/// `estimates[count]`. Their mean is what `etd_chain_advance` scales by; each chain should start from one of these samples, drawn in proportion to its
+/// estimate: tens of thousands are a good number, and a few of each pixel; as many in a row as the image has pixels begin in each once. What
+/// `with->above` leaves to the samples goes to `hooks->splat`, which must be there if that isn't 0: with n samples per pixel, the image is the sum of
+/// these splats/n, and what chains give. `with->estimator` is `ETD_METROPOLIS`; `hooks` may be null, `closest` and `random` have to be.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_chain_bootstrap(
     scene: *const EtdScene,
@@ -84,10 +86,14 @@ pub unsafe extern "C" fn etd_chain_bootstrap(
 ) -> EtdStatus {
     status_of((|| {
         let mut call = call(scene, with, hooks, memory)?;
+        if call.settings.mutations.above > 0.0 {
+            call.needs_splat()?;
+        }
         for (out, i) in slice_mut(estimates, count)?.iter_mut().zip(0..) {
             call.poll()?;
-            let (scene, index) = (call.scene, first.wrapping_add(i));
-            *out = scene.bootstrap(&call.settings, index, &mut call.scratch);
+            let (scene, hooks, index) = (call.scene, call.hooks, first.wrapping_add(i));
+            let below = &mut |pixel, value: crate::Rgb| hooks.splat(pixel, value.to_array());
+            *out = scene.bootstrap(&call.settings, index, &mut call.scratch, below);
         }
         Ok(())
     })())

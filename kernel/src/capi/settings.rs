@@ -74,8 +74,10 @@ pub struct EtdSettings {
     pub large_steps: f32,
     /// `ETD_METROPOLIS`: the largest change of a random number in what steps are left, above 0, at most 0.5.
     pub step_size: f32,
-    /// `ETD_METROPOLIS`: the share of the other steps that keep the walk from the light and draw the sensor's anew, anywhere in the image, 0 to 1.
+    /// `ETD_METROPOLIS`: the share of the other steps that move the path's place in the image and nothing else, 0 to 1.
     pub view_steps: f32,
+    /// `ETD_METROPOLIS`: what chains leave to the samples of the bootstrap: what a contribution carries up to so much, a radiance, at least 0. 0: nothing.
+    pub above: f32,
 }
 
 // SAFETY: repr(C), the size first, numbers only.
@@ -119,6 +121,7 @@ pub unsafe extern "C" fn etd_settings_default(settings: *mut EtdSettings) -> Etd
                 view_steps: Settings::default().mutations.view,
                 #[cfg(not(feature = "metropolis"))]
                 view_steps: 0.0,
+                above: 0.0,
             });
         }
         Ok(())
@@ -193,6 +196,10 @@ pub(super) fn settings(pointer: *const EtdSettings) -> Result<Settings, EtdStatu
             view: share(s.view_steps)?,
             size: match s.step_size {
                 size if size > 0.0 && size <= 0.5 => size,
+                _ => return Err(ETD_E_ARGUMENT),
+            },
+            above: match s.above {
+                above if above >= 0.0 && above.is_finite() => above,
                 _ => return Err(ETD_E_ARGUMENT),
             },
         },

@@ -17,7 +17,7 @@ use super::Settings;
 use super::light::{Seen, emit, see_light, see_vertex, spread};
 use super::scratch::Workspace;
 use crate::blob::format::needs;
-use crate::blob::{Possible, View};
+use crate::blob::{Possible, Scene, View};
 use crate::instance::Instance;
 use crate::path::{
     Arrival, HistoryView, Junction, Link, Mis, Terms, Trace, Walk, connect_first, emission_terms,
@@ -45,8 +45,10 @@ pub(super) trait Strategies<S> {
     fn has(&self, s: usize, t: usize) -> bool;
     /// Whether one is whose light walk, or sensor walk, has more vertices than this, and is made of that walk.
     fn has_more(&self, end: Subpath, vertices: usize) -> bool;
-    /// What one of them contributes: to the element, or to where the sensor sees it, to be [`spread`].
-    fn take(&mut self, strategy: [usize; 2], value: S, raster: Option<[Real; 2]>);
+    /// What one of them contributes, and the share that counts: to the element, or to where the sensor sees it, to be [`spread`].
+    fn take(&mut self, strategy: [usize; 2], value: S, share: Real, raster: Option<[Real; 2]>);
+    /// What s = 0 contributes by a walk aside, and the share that counts; whether the walk's numbers are to be kept.
+    fn take_aside(&mut self, t: usize, value: S, share: Real) -> bool;
     /// What a connection has to carry to be looked at for certain; 0: all are.
     fn little(&self) -> Real;
     /// How many walks more are sent where s = 0 is the only way.
@@ -74,9 +76,9 @@ impl<S: Spectrum, F: FnMut([u32; 2], S)> Strategies<S> for All<'_, '_, '_, S, F>
         has_more(self.possible, end, vertices)
     }
     #[inline(always)]
-    fn take(&mut self, _: [usize; 2], value: S, raster: Option<[Real; 2]>) {
+    fn take(&mut self, _: [usize; 2], value: S, share: Real, raster: Option<[Real; 2]>) {
         match raster {
-            None => self.sum += value,
+            None => self.sum += value * share,
             Some(raster) => {
                 let Self { scene, element, .. } = self;
                 spread(scene, element, raster, value, &mut self.sum, self.splat);
@@ -88,10 +90,21 @@ impl<S: Spectrum, F: FnMut([u32; 2], S)> Strategies<S> for All<'_, '_, '_, S, F>
         self.share * self.sum.max_channel()
     }
     #[inline(always)]
-    fn more(&self) -> u32 {
-        let caustics = self.possible.meets && self.scene.has(needs::DIRAC);
-        if caustics { MORE } else { 0 }
+    fn take_aside(&mut self, _: usize, value: S, share: Real) -> bool {
+        self.sum += value * share;
+        false
     }
+    #[inline(always)]
+    fn more(&self) -> u32 {
+        more(&self.scene, self.possible)
+    }
+}
+
+/// [`Strategies::more`] of whole samples.
+#[inline(always)]
+pub(super) fn more(scene: &Scene<'_>, possible: Possible) -> u32 {
+    let caustics = possible.meets && scene.has(needs::DIRAC);
+    if caustics { MORE } else { 0 }
 }
 
 /// [`Strategies::has_more`] of all that can contribute.
@@ -200,7 +213,7 @@ fn light_side<T: Tracer, K: Instance, P: Sampler, W: Strategies<K::S>>(
         };
         let weight = mis.weight(&junction, terms, &Terms::default(), links, none);
         let raster = Some(seen.projection.raster);
-        to.take([links.len(), 1], seen.value * weight, raster);
+        to.take([links.len(), 1], seen.value * weight, 1.0, raster);
     };
     let joins = |wanted: &W, s| mis.light_paths > 0.0 && wanted.has(s, 1);
     if joins(wanted, 1) {
@@ -261,7 +274,7 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
                 let t = walk.edges as usize + 1;
                 if wanted.has(0, t) {
                     let value = escaped(trace, mis, &walk, &terms, scratch.sensor);
-                    wanted.take([0, t], value * ways.share(more), None);
+                    wanted.take([0, t], value, ways.share(more), None);
                 }
                 return;
             }
@@ -271,7 +284,7 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
         let t = walk.edges as usize + 1;
         if wanted.has(0, t) {
             let value = met_light(trace, mis, &walk, &vertex, from, distance, scratch.sensor);
-            wanted.take([0, t], value * ways.share(more), None);
+            wanted.take([0, t], value, ways.share(more), None);
         }
         if walk.edges >= limit {
             return;
@@ -281,7 +294,7 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
             if wanted.has(1, t) {
                 let little = wanted.little();
                 let value = next_event(trace, mis, &vertex, t, little, sampler, scratch.sensor);
-                wanted.take([1, t], value, None);
+                wanted.take([1, t], value, 1.0, None);
             }
             for (i, x) in scratch.light.iter().enumerate() {
                 // s = i + 2 light vertices and t sensor vertices make s + t − 1 edges.
@@ -294,7 +307,7 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
                     let value = connect(
                         trace, mis, x, &vertex, strategy, little, sampler, links, sensor,
                     );
-                    wanted.take([i + 2, t], value, None);
+                    wanted.take([i + 2, t], value, 1.0, None);
                 }
             }
         }
@@ -304,8 +317,7 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
         }
         let splits = more > 0 && smooth && ways.is_alone();
         if splits {
-            let value = again(trace, mis, &walk, &vertex, limit, more, sampler);
-            wanted.take([0, t + 2], value, None);
+            again(trace, mis, &walk, &vertex, limit, wanted, sampler);
         }
         let Some(step) = walk.leave(trace, &vertex, sampler) else {
             return;

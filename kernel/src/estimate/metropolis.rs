@@ -4,17 +4,23 @@
 //! The primary sample is a place in the image, a strategy (s, t), and the numbers of its two walks ([`Recorded`]). A chain has paths of one length, k = s + t − 1 edges:
 //!
 //! ```text
-//! f*(u) = (k + 1)·mean channel of w_st·f/p                   b = ∫ Σ_k f*_k du, the image's mean
-//! pixel = Σ over steps of a/b-weighted colours, so that Σ splats / (steps per pixel) estimates it
+//! f*(u) = (k + 1)·max(0, c − above), c = mean channel of w_st·f/p          b = ∫ Σ_k f*_k du, the mean of the image that chains give
+//! pixel = min(c, above)/c of the colours of samples + what chains give: Σ over steps of a/b-weighted colours, over the steps per pixel
 //! ```
 //!
-//! 1. [`Scene::bootstrap`] makes whole samples, of all strategies: their mean is b.
+//! 1. [`Scene::bootstrap`] makes whole samples, of all strategies: their mean is b. What a contribution carries up to [`Mutations::above`] they give
+//!    to the image themselves: samples are better at what is found easily, chains at what is not. Where walks are split, chains start from
+//!    walks aside too.
 //! 2. A [`Chain`] starts from a contribution to one of them: the sample is drawn in proportion to its mean, the contribution in proportion to its
 //!    own. That draws k in proportion to b_k, of any length, and begins in the stationary distribution as far as there are enough samples.
 //! 3. [`Chain::advance`] makes steps, each of which splats what it left and what it came to, by the chance of either.
 //!
 //! Of one strategy at a time b would be known far worse for as much work: where light is hard to find, few samples have any, and those have it
 //! by one or two of all their strategies.
+
+mod chain;
+
+pub use chain::Chain;
 
 use super::bidirectional::{self, Strategies};
 use super::scratch::{ScratchView, Workspace};
@@ -25,7 +31,7 @@ use crate::path::Trace;
 use crate::random::{
     CHOICES, Mutation, Pcg, Purpose, Recorded, Sampler as _, Subpath, Tape, TapeView,
 };
-use crate::real::{Real, exp, log};
+use crate::real::{ONE_MINUS, Real, exp, log};
 use crate::sensor::{Element, each_pixel};
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -34,18 +40,22 @@ use crate::spectrum::{Rgb, Spectrum};
 pub struct Mutations {
     /// How often a step is a path drawn anew, 0 to 1.
     pub large: Real,
-    /// The share of the others that keep the light's walk and draw the sensor's anew, anywhere in the image, 0 to 1.
+    /// The share of the others that move the path's place in the image and nothing else, 0 to 1; none are where that place doesn't matter (t = 1).
     pub view: Real,
     /// The largest change of a number in what steps are left; [`Mutations::tuned`] finds a good one.
     pub size: Real,
+    /// What chains leave to whole samples: what a contribution carries up to so much, the mean channel of what it adds to pixels, a radiance. 0: nothing.
+    /// Any value gives the same image in the mean.
+    pub above: Real,
 }
 
 impl Default for Mutations {
     fn default() -> Self {
         Self {
-            large: 0.1,
-            view: 0.3,
+            large: 0.05,
+            view: 0.6,
             size: 1.0 / 64.0,
+            above: 0.0,
         }
     }
 }
@@ -106,6 +116,15 @@ impl State {
         self
     }
 
+    /// How often what isn't a large step moves the place in the image alone. A light walk that the sensor sees has its own place.
+    #[inline(always)]
+    fn views(&self, settings: &Settings) -> Real {
+        match self.contribution.raster {
+            None => settings.mutations.view,
+            Some(_) => 0.0,
+        }
+    }
+
     /// Hands `share`/f* of the contribution to its pixels.
     #[inline(always)]
     fn splat(&self, scene: &Scene<'_>, share: Real, splat: &mut dyn FnMut([u32; 2], Rgb)) {
@@ -149,7 +168,6 @@ fn importance(value: Rgb) -> Real {
 /// Salts of the streams: what they are for is in their numbers.
 const BOOTSTRAP: u64 = 0x626f_6f74_0000_0000;
 const DRAW: u64 = 0x6472_6177_0000_0000;
-const CHAIN: u64 = 0x6368_6169_0000_0000;
 
 /// Which way of joining the walks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,59 +179,65 @@ struct Strategy {
 }
 
 /// What is wanted of a sample.
-#[derive(Debug)]
-enum Wanted {
+enum Wanted<'w> {
     /// What this strategy contributes.
     Only(Strategy),
-    /// What one of all contributes, drawn in proportion to f* by these numbers.
-    Any(Pcg),
+    /// What one of all contributes, drawn in proportion to f* by these numbers; what they leave to the sample goes here.
+    Any(Pcg, &'w mut dyn FnMut([u32; 2], Rgb)),
 }
 
 /// What a sample contributes.
-struct Drawn {
-    wanted: Wanted,
+struct Drawn<'w> {
+    wanted: Wanted<'w>,
+    /// [`Mutations::above`], and what the pixel itself gets up to that.
+    above: Real,
+    below: Rgb,
     /// The sum of the importance of all that contributed.
     total: Real,
-    /// What was drawn, and by which strategy it came.
+    /// What was drawn, and by which strategy it came, by a walk aside or not.
     state: State,
     strategy: Strategy,
+    aside: bool,
 }
 
-impl Drawn {
-    fn new(wanted: Wanted, pixel: [u32; 2]) -> Self {
+impl<'w> Drawn<'w> {
+    fn new(wanted: Wanted<'w>, settings: &Settings, pixel: [u32; 2]) -> Self {
         Self {
             wanted,
+            above: settings.mutations.above,
+            below: Rgb::BLACK,
             total: 0.0,
             state: State {
                 pixel,
                 ..State::NONE
             },
             strategy: Strategy { s: 0, t: 2 },
+            aside: false,
         }
     }
 }
 
 /// [`Drawn`], of contributions as an instance of the estimator makes them.
-struct Drawing<'w, 's, 'a, S: Spectrum> {
-    drawn: &'w mut Drawn,
+struct Drawing<'d, 'w, 's, 'a, S: Spectrum> {
+    drawn: &'d mut Drawn<'w>,
     scene: View<'s, 'a, S>,
     possible: Possible,
     /// Contributions that weren't finite, or negative.
     rejected: u64,
 }
 
-impl<S: Spectrum> Strategies<S> for Drawing<'_, '_, '_, S> {
+impl<S: Spectrum> Strategies<S> for Drawing<'_, '_, '_, '_, S> {
     #[inline(always)]
     fn has(&self, s: usize, t: usize) -> bool {
         match self.drawn.wanted {
             Wanted::Only(only) => only == Strategy { s, t },
-            Wanted::Any(_) => true,
+            Wanted::Any(..) => true,
         }
     }
     #[inline(always)]
     fn has_more(&self, end: Subpath, vertices: usize) -> bool {
         match (&self.drawn.wanted, end) {
-            (Wanted::Any(_), _) => bidirectional::has_more(self.possible, end, vertices),
+            (Wanted::Any(..), _) => bidirectional::has_more(self.possible, end, vertices),
             (Wanted::Only(only), Subpath::Sensor) => only.t > vertices,
             // s = 1 draws its light anew, but where the sensor sees it.
             (Wanted::Only(only), Subpath::Light) => {
@@ -222,53 +246,94 @@ impl<S: Spectrum> Strategies<S> for Drawing<'_, '_, '_, S> {
             (Wanted::Only(_), Subpath::Aside) => false,
         }
     }
-    // Not inlined: nine places take.
-    #[inline(never)]
-    fn take(&mut self, [s, t]: [usize; 2], value: S, raster: Option<[Real; 2]>) {
-        let Some(value) = accept(value, &self.scene.waves) else {
-            self.rejected += 1;
-            return;
-        };
-        let drawn = &mut *self.drawn;
-        let (pixel, mut sum) = (drawn.state.pixel, 0.0);
-        spread(&self.scene, raster, pixel, value, &mut |_, v| {
-            sum += importance(v);
-        });
-        drawn.total += sum;
-        // A reservoir of one (Chao 1982); the first is drawn for certain.
-        let certain = sum >= drawn.total;
-        let taken = match &mut drawn.wanted {
-            Wanted::Any(random) if !certain => random.one(Purpose::Choice) * drawn.total < sum,
-            _ => true,
-        };
-        if sum > 0.0 && taken {
-            drawn.strategy = Strategy { s, t };
-            drawn.state.contribution = Contribution { value, raster };
-            drawn.state.importance = sum;
+    #[inline(always)]
+    fn take(&mut self, strategy: [usize; 2], value: S, share: Real, raster: Option<[Real; 2]>) {
+        if self.consider(strategy, value, share, raster) {
+            self.drawn.aside = false;
         }
     }
-    // A path has the same value whatever else its numbers make.
+    #[inline(always)]
+    fn take_aside(&mut self, t: usize, value: S, share: Real) -> bool {
+        let taken = self.consider([0, t], value, share, None);
+        self.drawn.aside |= taken;
+        taken
+    }
+    // A path has the same value whatever else its numbers make, and the same numbers.
     #[inline(always)]
     fn little(&self) -> Real {
         0.0
     }
     #[inline(always)]
     fn more(&self) -> u32 {
-        0
+        match self.drawn.wanted {
+            Wanted::Any(..) => bidirectional::more(&self.scene, self.possible),
+            Wanted::Only(_) => 0,
+        }
+    }
+}
+
+impl<S: Spectrum> Drawing<'_, '_, '_, '_, S> {
+    /// Counts a contribution that has a share of its path's; whether it is the one that is drawn, so far.
+    // Not inlined: ten places take.
+    #[inline(never)]
+    fn consider(
+        &mut self,
+        [s, t]: [usize; 2],
+        value: S,
+        share: Real,
+        raster: Option<[Real; 2]>,
+    ) -> bool {
+        let Some(value) = accept(value, &self.scene.waves) else {
+            self.rejected += 1;
+            return false;
+        };
+        let drawn = &mut *self.drawn;
+        let (pixel, mut sum) = (drawn.state.pixel, 0.0);
+        spread(&self.scene, raster, pixel, value, &mut |_, v| {
+            sum += importance(v);
+        });
+        // f = min(f, above) + f*; 0/0 where there is nothing.
+        let beyond = (sum - drawn.above).max(0.0);
+        let left = if beyond < sum { beyond / sum } else { 1.0 };
+        if let Wanted::Any(_, below) = &mut drawn.wanted
+            && left < 1.0
+        {
+            let value = value * (share * (1.0 - left));
+            match raster {
+                None => drawn.below += value,
+                Some(_) => spread(&self.scene, raster, pixel, value, *below),
+            }
+        }
+        let mine = share * beyond;
+        drawn.total += mine;
+        // A reservoir of one (Chao 1982); the first is drawn for certain.
+        let certain = mine >= drawn.total;
+        let taken = match &mut drawn.wanted {
+            Wanted::Any(random, _) if !certain => random.one(Purpose::Choice) * drawn.total < mine,
+            _ => true,
+        };
+        let drawn_now = mine > 0.0 && taken;
+        if drawn_now {
+            let value = value * left;
+            drawn.strategy = Strategy { s, t };
+            drawn.state.contribution = Contribution { value, raster };
+            drawn.state.importance = beyond;
+        }
+        drawn_now
     }
 }
 
 /// A sample of `pixel`, of paths of `limit` edges at most.
-struct Draw<'w, 's, 'a, 'n> {
+struct Draw<'d, 'w, 's, 'a, 'n> {
     scene: &'s Scene<'a>,
-    settings: &'w Settings,
+    settings: &'d Settings,
     limit: u32,
     pixel: [u32; 2],
-    drawn: &'w mut Drawn,
-    sampler: &'w mut Recorded<'n>,
+    drawn: &'d mut Drawn<'w>,
+    sampler: &'d mut Recorded<'n>,
 }
 
-impl Errand for Draw<'_, '_, '_, '_> {
+impl Errand for Draw<'_, '_, '_, '_, '_> {
     type Result = ();
 
     #[inline(never)]
@@ -311,13 +376,21 @@ fn strategies(edges: u32, scratch: &ScratchView<'_>) -> u32 {
     (scratch.capacity() as u32).min(edges) + 1
 }
 
-/// The pixel that `numbers` begin in, and their number for the strategy.
-fn begin(scene: &Scene<'_>, numbers: &mut Recorded<'_>) -> ([u32; 2], Real) {
+/// The pixel that `numbers` begin in if they begin at a place, in [0, 1)² of the image.
+fn begin(scene: &Scene<'_>, [x, y]: [Real; 2], numbers: &mut Recorded<'_>) -> [u32; 2] {
     let size = scene.size();
-    let [x, y, choice]: [Real; CHOICES] = numbers.choose();
     let (column, row) = (within(x, size[0]), within(y, size[1]));
     numbers.begin([column.1, row.1]);
-    ([column.0, row.0], choice)
+    [column.0, row.0]
+}
+
+/// The place of whole sample `index`: within its pixel it is where `xi` says.
+fn place(scene: &Scene<'_>, index: u64, xi: [Real; 2]) -> [Real; 2] {
+    let [width, height] = scene.size().map(u64::from);
+    // A scene has a pixel at least.
+    let at = [index % width.max(1), index / width.max(1) % height.max(1)];
+    let at = |i: usize, n: u64| ((at[i] as Real + xi[i]) / n as Real).min(ONE_MINUS);
+    [at(0, width), at(1, height)]
 }
 
 /// The path of `edges` edges that `numbers` make, by the strategy that they choose.
@@ -328,14 +401,15 @@ fn evaluate(
     numbers: &mut Recorded<'_>,
     scratch: &mut ScratchView<'_>,
 ) -> State {
-    let (pixel, choice) = begin(scene, numbers);
+    let [x, y, choice]: [Real; CHOICES] = numbers.choose();
+    let pixel = begin(scene, [x, y], numbers);
     let count = strategies(edges, scratch);
     let (s, _) = within(choice, count);
     let only = Strategy {
         s: s as usize,
         t: (edges + 1 - s) as usize,
     };
-    let mut drawn = Drawn::new(Wanted::Only(only), pixel);
+    let mut drawn = Drawn::new(Wanted::Only(only), settings, pixel);
     let draw = Draw {
         scene,
         settings,
@@ -353,26 +427,26 @@ fn evaluate(
 fn within(x: Real, n: u32) -> (u32, Real) {
     let scaled = x * n as Real;
     let cell = (scaled as u32).min(n.saturating_sub(1));
-    (
-        cell,
-        (scaled - cell as Real).clamp(0.0, crate::real::ONE_MINUS),
-    )
+    (cell, (scaled - cell as Real).clamp(0.0, ONE_MINUS))
 }
 
-/// Sample `index` of the bootstrap: what all strategies contribute, and the edges and the state of the one that is drawn of them. The numbers go
-/// to `to`.
+/// Sample `index` of the bootstrap: what all strategies contribute to chains, and the edges and the state of the one that is drawn of them. The numbers go
+/// to `to`, what isn't for chains to `below`.
 fn draw(
     scene: &Scene<'_>,
     settings: &Settings,
     index: u64,
     [from, to]: [TapeView<'_>; 2],
     scratch: &mut ScratchView<'_>,
+    below: &mut dyn FnMut([u32; 2], Rgb),
 ) -> (Real, u32, State) {
     let fresh = Pcg::new(settings.seed, BOOTSTRAP, index);
     let mut numbers = Recorded::new(from, to, Mutation::Large, fresh);
-    let (pixel, xi) = begin(scene, &mut numbers);
+    let [x, y, xi]: [Real; CHOICES] = numbers.choose();
+    let place = place(scene, index, [x, y]);
+    let pixel = begin(scene, place, &mut numbers);
     let random = Pcg::new(settings.seed, DRAW, index);
-    let mut drawn = Drawn::new(Wanted::Any(random), pixel);
+    let mut drawn = Drawn::new(Wanted::Any(random, below), settings, pixel);
     let draw = Draw {
         scene,
         settings,
@@ -382,139 +456,38 @@ fn draw(
         sampler: &mut numbers,
     };
     dispatch(scene, scratch, draw);
+    if let (Wanted::Any(_, below), true) = (drawn.wanted, drawn.below != Rgb::BLACK) {
+        below(pixel, drawn.below);
+    }
     let Strategy { s, t } = drawn.strategy;
     let edges = (s + t - 1) as u32;
     let count = strategies(edges, scratch);
+    if drawn.aside {
+        numbers.adopt();
+    }
     // Anywhere in its cell, but for what rounding could take to the next.
-    numbers.decide((s as Real + 0.01 + 0.98 * xi) / count as Real);
+    numbers.decide(place, (s as Real + 0.01 + 0.98 * xi) / count as Real);
     (drawn.total, edges, drawn.state.times(count))
 }
 
 impl Scene<'_> {
-    /// Sample number `index` of those that chains start from, by both walks from anywhere in the image: all that it contributes, to whatever pixels,
-    /// as an estimate of the image's mean over pixels and channels. The mean of such samples is what [`Chain::advance`] scales by; a chain
-    /// starts from one of them, drawn in proportion to it.
+    /// Sample number `index` of those that chains start from, by both walks; as many in a row as the image has pixels begin in each of them once, row by row
+    /// from the top. Its contributions, to whatever pixels, go to `below` as far as they carry up to [`Mutations::above`]; what they carry
+    /// beyond, in all, is returned: an estimate of the mean, over pixels and channels, of what chains are to give. The mean of such estimates is what
+    /// [`Chain::advance`] scales by; a chain starts from one of the samples, drawn in proportion to its estimate. With n samples per pixel
+    ///
+    /// ```text
+    /// pixel = sum of what went below / n + what chains give
+    /// ```
     pub fn bootstrap(
         &self,
         settings: &Settings,
         index: u64,
         scratch: &mut ScratchView<'_>,
+        below: &mut dyn FnMut([u32; 2], Rgb),
     ) -> Real {
         let (mut from, mut to) = (Tape::<0>::new(), Tape::<0>::new());
         let tapes = [from.view(), to.view()];
-        draw(self, settings, index, tapes, scratch).0
-    }
-}
-
-/// A chain of paths. `N` bounds the vertices of either walk whose numbers are recorded: those beyond are drawn anew at every step.
-#[derive(Clone, Debug)]
-pub struct Chain<const N: usize = 16> {
-    tapes: [Tape<N>; 2],
-    /// Which tape is that of the path where it is.
-    here: usize,
-    state: State,
-    edges: u32,
-    id: u64,
-    steps: u64,
-    small: [Real; 2],
-}
-
-impl<const N: usize> Default for Chain<N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<const N: usize> Chain<N> {
-    /// Nowhere yet: it contributes nothing.
-    pub const fn new() -> Self {
-        Self {
-            tapes: [Tape::new(), Tape::new()],
-            here: 0,
-            state: State::NONE,
-            edges: 1,
-            id: 0,
-            steps: 0,
-            small: [0.0; 2],
-        }
-    }
-
-    /// Starts over, as chain number `id`, from sample number `index` of [`Scene::bootstrap`].
-    pub fn start(
-        &mut self,
-        scene: &Scene<'_>,
-        settings: &Settings,
-        id: u64,
-        index: u64,
-        scratch: &mut ScratchView<'_>,
-    ) {
-        let [from, to] = &mut self.tapes;
-        let tapes = [from.view(), to.view()];
-        let (_, edges, state) = draw(scene, settings, index, tapes, scratch);
-        (self.here, self.state, self.edges) = (1, state, edges);
-        (self.id, self.steps, self.small) = (id, 0, [0.0; 2]);
-    }
-
-    /// Takes `steps` steps. With a mean of `scale` over the image (the mean of bootstrap estimates), and n steps per pixel of the image
-    /// by all chains together, a pixel is
-    ///
-    /// ```text
-    /// pixel = sum of splats to it / n
-    /// ```
-    pub fn advance(
-        &mut self,
-        scene: &Scene<'_>,
-        settings: &Settings,
-        scale: Real,
-        steps: u64,
-        scratch: &mut ScratchView<'_>,
-        splat: &mut dyn FnMut([u32; 2], Rgb),
-    ) {
-        // The chances of having been here since the last splat.
-        let mut stayed = 0.0;
-        for _ in 0..steps {
-            let mut random = Pcg::new(settings.seed, CHAIN ^ self.id, self.steps);
-            self.steps += 1;
-            let [kind, accept] = random.two(Purpose::Choice);
-            let Mutations { large, view, .. } = settings.mutations;
-            let mutation = if kind < large {
-                Mutation::Large
-            } else if kind < large + (1.0 - large) * view {
-                Mutation::View
-            } else {
-                Mutation::Small(settings.mutations.size)
-            };
-            let [a, b] = &mut self.tapes;
-            let (before, after) = if self.here == 0 { (a, b) } else { (b, a) };
-            let mut numbers = Recorded::new(before.view(), after.view(), mutation, random);
-            let proposed = evaluate(scene, settings, self.edges, &mut numbers, scratch);
-            // Steps are symmetric: a = min(1, f*(y)/f*(x)) (Kelemen et al. 2002, eq. 5).
-            let chance = if proposed.importance < self.state.importance {
-                proposed.importance / self.state.importance
-            } else {
-                1.0
-            };
-            if matches!(mutation, Mutation::Small(_)) {
-                self.small = [self.small[0] + chance, self.small[1] + 1.0];
-            }
-            stayed += 1.0 - chance;
-            if accept < chance {
-                self.state.splat(scene, stayed * scale, splat);
-                (self.state, self.here, stayed) = (proposed, 1 - self.here, chance);
-            } else {
-                proposed.splat(scene, chance * scale, splat);
-            }
-        }
-        self.state.splat(scene, stayed * scale, splat);
-    }
-
-    /// The share of small steps that were accepted, since it started.
-    pub fn accepted(&self) -> Real {
-        self.small[0] / self.small[1].max(1.0)
-    }
-
-    /// The edges of its paths.
-    pub fn edges(&self) -> u32 {
-        self.edges
+        draw(self, settings, index, tapes, scratch, below).0
     }
 }

@@ -64,6 +64,9 @@ pub trait Sampler {
     fn at(&mut self, subpath: Subpath, vertex: u32);
     /// One number in [0, 1).
     fn one(&mut self, purpose: Purpose) -> Real;
+    /// Says that the last walk aside may be what its sample is remembered by.
+    #[inline(always)]
+    fn keep(&mut self) {}
     /// Two numbers in [0, 1)².
     #[inline(always)]
     fn two(&mut self, purpose: Purpose) -> [Real; 2] {

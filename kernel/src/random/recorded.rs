@@ -35,6 +35,9 @@ pub struct Tape<const N: usize> {
     choice: [Real; CHOICES],
 }
 
+/// The stream of walks aside.
+const ASIDE: usize = Subpath::Aside as usize;
+
 /// Numbers of the third stream: column, row, strategy.
 pub const CHOICES: usize = 3;
 const STRATEGY: usize = 2;
@@ -74,13 +77,44 @@ pub struct TapeView<'t> {
     choice: &'t mut [Real; CHOICES],
 }
 
+impl TapeView<'_> {
+    /// The next place for `purpose` that nothing is recorded in yet; none if that is more than are kept.
+    fn free(&mut self, walk: usize, vertex: usize, purpose: Purpose) -> Option<usize> {
+        let mask = self.recorded.get(walk)?.get(vertex)?;
+        let (first, count) = slots(purpose);
+        (first..first + count)
+            .find(|&i| mask & 1 << i == 0)
+            .map(|i| i as usize)
+    }
+
+    /// What is recorded.
+    fn known(&self, walk: usize, vertex: usize, slot: usize) -> Option<Real> {
+        let mask = self.recorded.get(walk)?.get(vertex)?;
+        let number = self.numbers.get(walk)?.get(vertex)?.get(slot)?;
+        (mask & 1 << slot != 0).then_some(*number)
+    }
+
+    /// Records a number.
+    fn set(&mut self, walk: usize, vertex: usize, slot: usize, number: Real) {
+        let masks = self.recorded.get_mut(walk);
+        let numbers = self.numbers.get_mut(walk);
+        if let (Some(mask), Some(place)) = (
+            masks.and_then(|m| m.get_mut(vertex)),
+            numbers.and_then(|n| n.get_mut(vertex)?.get_mut(slot)),
+        ) {
+            *mask |= 1 << slot;
+            *place = number;
+        }
+    }
+}
+
 /// How a proposal differs from the path before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mutation {
     /// In everything.
     Large,
-    /// In where in the image the sensor's walk begins and in all that it is made of, in nothing of the light's walk.
-    View,
+    /// In the place in the image alone, by steps of at most this size whose logarithms are uniform down to a 32nd of it.
+    View(Real),
     /// By steps of at most this size in each number (Kelemen et al. 2002, §4.3: their logarithms are uniform down to
     /// a 1024th of it).
     Small(Real),
@@ -88,6 +122,8 @@ pub enum Mutation {
 
 /// ln of the largest step over the smallest, 1024: Kelemen has 16, but a chain that has got onto a peak narrower than its smallest step stays there for good.
 const DECADES: Real = 6.931_472;
+/// The same for [`Mutation::View`]: less would stay in the pixel.
+const VIEW_DECADES: Real = 3.465_736;
 
 /// The numbers of a proposal: those of the path before it, changed. What isn't asked for isn't kept: its distribution, given the path, is
 /// uniform, so that drawing it anew when it is asked for again leaves the target as it is. Nor is what doesn't fit on the tape; it is drawn anew at
@@ -103,6 +139,8 @@ pub struct Recorded<'t> {
     /// Given out in place of [`Purpose::Filter`]: position and pixel are one number.
     within: [Real; 2],
     given: usize,
+    /// Where the walk aside began, and the one that was kept.
+    aside: [usize; 2],
 }
 
 impl<'t> Recorded<'t> {
@@ -125,6 +163,7 @@ impl<'t> Recorded<'t> {
             vertex: 0,
             within: [0.0; 2],
             given: 0,
+            aside: [0; 2],
         }
     }
 
@@ -133,17 +172,30 @@ impl<'t> Recorded<'t> {
         let pairs = self.after.choice.iter_mut().zip(self.before.choice.iter());
         for ((new, old), i) in pairs.zip(0..) {
             *new = match self.mutation {
-                Mutation::Small(size) => moved(*old, size, &mut self.fresh),
-                Mutation::View if i == STRATEGY => *old,
-                Mutation::Large | Mutation::View => self.fresh.one(Purpose::Choice),
+                Mutation::Small(size) => moved(*old, size, DECADES, &mut self.fresh),
+                Mutation::View(_) if i == STRATEGY => *old,
+                Mutation::View(size) => moved(*old, size, VIEW_DECADES, &mut self.fresh),
+                Mutation::Large => self.fresh.one(Purpose::Choice),
             };
         }
         *self.after.choice
     }
 
-    /// Records that the strategy was chosen by `number`.
-    pub fn decide(&mut self, number: Real) {
-        self.after.choice[STRATEGY] = number;
+    /// Records the place in the image, and the number that chose the strategy, of a path that was made by others.
+    pub fn decide(&mut self, [x, y]: [Real; 2], strategy: Real) {
+        *self.after.choice = [x, y, strategy];
+    }
+
+    /// The path is that of the walk aside that was kept, from where that left the sensor's: so are its numbers.
+    pub fn adopt(&mut self) {
+        for vertex in self.aside[1]..self.before.recorded[1].len() {
+            for slot in 0..SLOTS {
+                if let Some(number) = self.before.known(1, vertex, slot) {
+                    self.after
+                        .set(Subpath::Sensor as usize, vertex, slot, number);
+                }
+            }
+        }
     }
 
     /// Says where in its pixel the path begins, in [0, 1)².
@@ -154,9 +206,9 @@ impl<'t> Recorded<'t> {
 
 /// `x` moved by a small step, around the ends.
 #[inline(always)]
-fn moved(x: Real, size: Real, random: &mut Pcg) -> Real {
+fn moved(x: Real, size: Real, decades: Real, random: &mut Pcg) -> Real {
     let [xi, side] = random.two(Purpose::Choice);
-    let step = size * exp(-DECADES * xi);
+    let step = size * exp(-decades * xi);
     let y = if side < 0.5 { x + step } else { x - step };
     let y = if y >= 1.0 {
         y - 1.0
@@ -172,7 +224,25 @@ fn moved(x: Real, size: Real, random: &mut Pcg) -> Real {
 impl Sampler for Recorded<'_> {
     #[inline(always)]
     fn at(&mut self, subpath: Subpath, vertex: u32) {
-        (self.walk, self.vertex) = (subpath as usize, vertex as usize);
+        let vertex = vertex as usize;
+        // Walks aside go forward: one that doesn't is the next. They are of paths that are made anew, of which there is nothing before: its tape is theirs.
+        let next = self.walk != ASIDE || vertex <= self.vertex;
+        if subpath == Subpath::Aside && next && self.mutation == Mutation::Large {
+            self.aside[0] = vertex;
+            self.before.recorded[0].fill(0);
+        }
+        (self.walk, self.vertex) = (subpath as usize, vertex);
+    }
+
+    fn keep(&mut self) {
+        let TapeView {
+            numbers: [numbers, kept],
+            recorded: [masks, kept_masks],
+            ..
+        } = &mut self.before;
+        kept.copy_from_slice(numbers);
+        kept_masks.copy_from_slice(masks);
+        self.aside[1] = self.aside[0];
     }
 
     fn one(&mut self, purpose: Purpose) -> Real {
@@ -190,39 +260,30 @@ impl Sampler for Recorded<'_> {
             vertex,
             ..
         } = self;
-        let (first, count) = slots(purpose);
-        let (Some(mask), Some(numbers)) = (
-            after
-                .recorded
-                .get_mut(*walk)
-                .and_then(|w| w.get_mut(*vertex)),
-            after
-                .numbers
-                .get_mut(*walk)
-                .and_then(|w| w.get_mut(*vertex)),
-        ) else {
-            return fresh.one(purpose);
-        };
-        let Some(slot) = (first..first + count).find(|&i| *mask & 1 << i == 0) else {
-            return fresh.one(purpose);
-        };
-        *mask |= 1 << slot;
-        let old = before.recorded.get(*walk).and_then(|w| w.get(*vertex));
-        let known = old.is_some_and(|old| old & 1 << slot != 0);
-        let old = || {
-            let old = before.numbers.get(*walk).and_then(|w| w.get(*vertex));
-            let old = old.and_then(|numbers| numbers.get(slot as usize));
-            old.copied().unwrap_or_default()
-        };
-        let kept = *walk == Subpath::Light as usize || matches!(purpose, Purpose::Lead);
-        let value = match *mutation {
-            Mutation::Small(size) if known => moved(old(), size, fresh),
-            Mutation::View if known && kept => old(),
-            _ => fresh.one(purpose),
-        };
-        if let Some(number) = numbers.get_mut(slot as usize) {
-            *number = value;
+        if *walk == ASIDE {
+            let value = fresh.one(purpose);
+            if *mutation == Mutation::Large
+                && let Some(slot) = before.free(0, *vertex, purpose)
+            {
+                before.set(0, *vertex, slot, value);
+            }
+            return value;
         }
+        let Some(slot) = after.free(*walk, *vertex, purpose) else {
+            return fresh.one(purpose);
+        };
+        let value = match *mutation {
+            Mutation::Large => fresh.one(purpose),
+            Mutation::Small(size) => match before.known(*walk, *vertex, slot) {
+                Some(old) => moved(old, size, DECADES, fresh),
+                None => fresh.one(purpose),
+            },
+            Mutation::View(_) => match before.known(*walk, *vertex, slot) {
+                Some(old) => old,
+                None => fresh.one(purpose),
+            },
+        };
+        after.set(*walk, *vertex, slot, value);
         value
     }
 }

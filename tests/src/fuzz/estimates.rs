@@ -102,16 +102,19 @@ fn chains(scene: &Scene<'_>, settings: &Settings, scratch: &mut Scratch<8>, out:
     let mut chain = Chain::<4>::new();
     for path in 0..6 {
         let view = &mut scratch.view(scene);
-        let mean = scene.bootstrap(settings, path, view);
-        assert!(mean.is_finite() && mean >= 0.0, "{mean}");
-        chain.start(scene, settings, path, path, view);
         let (mut splats, mut count) = (Rgb::BLACK, 0);
-        chain.advance(scene, settings, 1.0, 6, view, &mut |[x, y], value| {
+        let mut splat = |[x, y]: [u32; 2], value| {
             assert!(x < width && y < height, "a splat at {x}, {y}");
             fine(scene, value, "splat of a chain");
             splats += value;
             count += 1;
-        });
+        };
+        let mut settings = *settings;
+        settings.mutations.above = [0.0, 1e-3, 1e30][path as usize % 3];
+        let mean = scene.bootstrap(&settings, path, view, &mut splat);
+        assert!(mean.is_finite() && mean >= 0.0, "{mean}");
+        chain.start(scene, &settings, path, path, view);
+        chain.advance(scene, &settings, 1.0, 6, view, &mut splat);
         out.push(([mean; 3], splats.to_array(), count));
     }
 }

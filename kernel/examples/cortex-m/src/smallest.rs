@@ -53,7 +53,7 @@ fn chains(scene: &Scene<'_>, scratch: &mut Scratch<8>) {
         ..Settings::default()
     };
     let scratch = &mut scratch.view(scene);
-    let scale = scene.bootstrap(&settings, 0, scratch);
+    let scale = scene.bootstrap(&settings, 0, scratch, &mut |_, _| ());
     let mut chain = Chain::<16>::new();
     chain.start(scene, &settings, 0, 0, scratch);
     let mut splat = |pixel, value| {

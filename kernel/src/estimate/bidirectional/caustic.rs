@@ -7,6 +7,7 @@
 //! Such a path has weight 1. From y, n more walks look for the light through Dirac vertices, and each of the n + 1 counts 1/(n + 1), so that no weight
 //! changes. Whatever else the first of them meets counts whole.
 
+use super::Strategies;
 use crate::blob::View;
 use crate::emitter;
 use crate::instance::Instance;
@@ -70,7 +71,7 @@ impl Ways {
     }
 }
 
-/// What `more` walks find that leave `y` like `walk`, of the light that gets there through Dirac vertices, with their share.
+/// What more walks find that leave `y` like `walk`, of the light that gets there through Dirac vertices, with their share.
 #[inline(never)]
 pub(super) fn again<T: Tracer, K: Instance, P: Sampler>(
     trace: &mut Trace<'_, '_, T, K>,
@@ -78,10 +79,11 @@ pub(super) fn again<T: Tracer, K: Instance, P: Sampler>(
     walk: &Walk<K::S>,
     y: &Vertex<K::S>,
     limit: u32,
-    more: u32,
+    wanted: &mut impl Strategies<K::S>,
     sampler: &mut P,
-) -> K::S {
-    let mut found = K::S::BLACK;
+) {
+    let more = wanted.more();
+    let share = 1.0 / (more + 1) as Real;
     for _ in 0..more {
         let (mut walk, mut vertex) = (walk.aside(), *y);
         walk.announce(sampler);
@@ -97,20 +99,34 @@ pub(super) fn again<T: Tracer, K: Instance, P: Sampler>(
                         && let Some((radiance, _)) =
                             emitter::background::<K::S>(trace.scene, walk.ray.direction)
                     {
-                        found += walk.throughput * radiance;
+                        take(wanted, &walk, walk.throughput * radiance, share, sampler);
                     }
                     break;
                 }
                 Arrival::Cut => break,
             }
             if led {
-                found += walk.throughput * emitted::<K>(trace.scene, &walk, &vertex);
+                let value = walk.throughput * emitted::<K>(trace.scene, &walk, &vertex);
+                take(wanted, &walk, value, share, sampler);
             }
             led = true;
         }
     }
     walk.announce(sampler);
-    found * (1.0 / (more + 1) as Real)
+}
+
+/// What a walk aside has found.
+#[inline(always)]
+fn take<S: Spectrum, P: Sampler>(
+    wanted: &mut impl Strategies<S>,
+    walk: &Walk<S>,
+    value: S,
+    share: Real,
+    sampler: &mut P,
+) {
+    if wanted.take_aside(walk.edges as usize + 1, value, share) {
+        sampler.keep();
+    }
 }
 
 /// What `y`, where `walk` has arrived, emits towards where it came from.

@@ -1,0 +1,132 @@
+//! Chains, and how they move.
+
+use super::{Mutations, State, draw, evaluate};
+use crate::blob::Scene;
+use crate::estimate::Settings;
+use crate::estimate::scratch::ScratchView;
+use crate::random::{Mutation, Pcg, Purpose, Recorded, Sampler as _, Tape};
+use crate::real::Real;
+use crate::spectrum::Rgb;
+
+/// The largest step in the image of what moves nothing else, of its width and height. Of 0.02, 0.05, 0.2 the one with the least noise on walls.
+const VIEW: Real = 0.05;
+
+/// The salt of the stream that moves chains.
+const CHAIN: u64 = 0x6368_6169_0000_0000;
+
+/// A chain of paths. `N` bounds the vertices of either walk whose numbers are recorded: those beyond are drawn anew at every step.
+#[derive(Clone, Debug)]
+pub struct Chain<const N: usize = 16> {
+    tapes: [Tape<N>; 2],
+    /// Which tape is that of the path where it is.
+    here: usize,
+    state: State,
+    edges: u32,
+    id: u64,
+    steps: u64,
+    small: [Real; 2],
+}
+
+impl<const N: usize> Default for Chain<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const N: usize> Chain<N> {
+    /// Nowhere yet: it contributes nothing.
+    pub const fn new() -> Self {
+        Self {
+            tapes: [Tape::new(), Tape::new()],
+            here: 0,
+            state: State::NONE,
+            edges: 1,
+            id: 0,
+            steps: 0,
+            small: [0.0; 2],
+        }
+    }
+
+    /// Starts over, as chain number `id`, from sample number `index` of [`Scene::bootstrap`].
+    pub fn start(
+        &mut self,
+        scene: &Scene<'_>,
+        settings: &Settings,
+        id: u64,
+        index: u64,
+        scratch: &mut ScratchView<'_>,
+    ) {
+        let [from, to] = &mut self.tapes;
+        let tapes = [from.view(), to.view()];
+        // What isn't for chains is the bootstrap's to give.
+        let below = &mut |_, _| ();
+        let (_, edges, state) = draw(scene, settings, index, tapes, scratch, below);
+        (self.here, self.state, self.edges) = (1, state, edges);
+        (self.id, self.steps, self.small) = (id, 0, [0.0; 2]);
+    }
+
+    /// Takes `steps` steps, each of which hands out `scale`. With a mean of `scale` over the image (the mean of bootstrap estimates), and n steps per pixel of the image
+    /// by all chains together, a pixel is
+    ///
+    /// ```text
+    /// pixel = sum of splats to it / n
+    /// ```
+    pub fn advance(
+        &mut self,
+        scene: &Scene<'_>,
+        settings: &Settings,
+        scale: Real,
+        steps: u64,
+        scratch: &mut ScratchView<'_>,
+        splat: &mut dyn FnMut([u32; 2], Rgb),
+    ) {
+        // The chances of having been here since the last splat.
+        let mut stayed = 0.0;
+        for _ in 0..steps {
+            let mut random = Pcg::new(settings.seed, CHAIN ^ self.id, self.steps);
+            self.steps += 1;
+            let [kind, accept] = random.two(Purpose::Choice);
+            let Mutations { large, .. } = settings.mutations;
+            let view = self.state.views(settings);
+            let mutation = if kind < large {
+                Mutation::Large
+            } else if kind < large + (1.0 - large) * view {
+                Mutation::View(VIEW)
+            } else {
+                Mutation::Small(settings.mutations.size)
+            };
+            let [a, b] = &mut self.tapes;
+            let (before, after) = if self.here == 0 { (a, b) } else { (b, a) };
+            let mut numbers = Recorded::new(before.view(), after.view(), mutation, random);
+            let proposed = evaluate(scene, settings, self.edges, &mut numbers, scratch);
+            // Steps are symmetric but for how often they are small: a = min(1, f*(y) T(y→x)/(f*(x) T(x→y))) (Kelemen et al. 2002, eq. 5).
+            let [mut from, mut to] = [self.state, proposed].map(|s| s.importance);
+            if matches!(mutation, Mutation::Small(_)) {
+                from *= 1.0 - view;
+                to *= 1.0 - proposed.views(settings);
+            }
+            let chance = if to < from { to / from } else { 1.0 };
+            if matches!(mutation, Mutation::Small(_)) {
+                self.small = [self.small[0] + chance, self.small[1] + 1.0];
+            }
+            stayed += 1.0 - chance;
+            if accept < chance {
+                self.state.splat(scene, stayed * scale, splat);
+                (self.state, self.here, stayed) = (proposed, 1 - self.here, chance);
+            } else {
+                proposed.splat(scene, chance * scale, splat);
+            }
+        }
+        self.state.splat(scene, stayed * scale, splat);
+    }
+
+    /// The share of small steps that were accepted, since it started.
+    pub fn accepted(&self) -> Real {
+        self.small[0] / self.small[1].max(1.0)
+    }
+
+    /// The edges of its paths.
+    pub fn edges(&self) -> u32 {
+        self.edges
+    }
+}
