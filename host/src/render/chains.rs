@@ -166,14 +166,20 @@ impl Plan<'_, '_> {
         scene.bootstrap(settings, index, &mut scratch.view(scene), below)
     }
 
-    /// Pilot samples leave all to chains: what `count` of them leave, one after the other.
-    fn energies(&self, run: &Run<'_>, count: u64) -> Result<Vec<f32>, RenderError> {
-        let mut all = vec![0.0; count as usize];
+    /// The number of pilot sample `i` of [`MEANS`], which are all over the image.
+    fn pilot(&self, i: u64) -> u64 {
+        let stride = (self.pixels / MEANS).max(1);
+        PILOT + i * stride + i * 7 % stride
+    }
+
+    /// What the pilot's samples leave to chains, one after the other.
+    fn energies(&self, run: &Run<'_>) -> Result<Vec<f32>, RenderError> {
+        let mut all = vec![0.0; MEANS as usize];
         let parts: Vec<_> = all.chunks_mut(PART as usize).map(Mutex::new).collect();
         each_once(run, parts.len(), &|i| {
             let mut scratch = Box::new(Scratch::new());
-            let first = PILOT + i as u64 * PART;
-            for (energy, index) in lock(&parts[i]).iter_mut().zip(first..) {
+            for (energy, at) in lock(&parts[i]).iter_mut().zip(i as u64 * PART..) {
+                let index = self.pilot(at);
                 *energy = self.sample(&self.settings, index, &mut scratch, &mut |_, _| ());
             }
         })?;
@@ -224,7 +230,7 @@ impl Plan<'_, '_> {
 
     /// The size of steps, by chains that are thrown away. They start from those samples of the pilot that leave them anything.
     fn tune(&mut self, run: &Run<'_>) -> Result<(), RenderError> {
-        let energies = self.energies(run, MEANS)?;
+        let energies = self.energies(run)?;
         let mut sum = 0.0;
         let sums: Vec<f64> = energies
             .iter()
@@ -247,7 +253,8 @@ impl Plan<'_, '_> {
                 let Plan { job, settings, .. } = plan;
                 let mut chain = Box::<Chain<VERTICES>>::default();
                 let view = &mut scratch.view(job.scene);
-                chain.start(job.scene, settings, u64::MAX - id, PILOT + from, view);
+                let from = plan.pilot(from);
+                chain.start(job.scene, settings, u64::MAX - id, from, view);
                 chain.advance(job.scene, settings, 1.0, PILOT_STEPS, view, &mut |_, _| ());
                 *lock(&accepted[i]) = f64::from(chain.accepted());
             })?;
@@ -314,7 +321,7 @@ pub(super) fn render(
         pixels,
         energy: 0.0,
     };
-    let energies = plan.energies(run, MEANS)?;
+    let energies = plan.energies(run)?;
     let mean = energies.iter().map(|&e| f64::from(e)).sum::<f64>() / MEANS as f64;
     if mean > 0.0 {
         plan.energy = mean / Balance::STEPS;
