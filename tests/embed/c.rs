@@ -186,18 +186,28 @@ fn chains_give_the_kernels_bits() {
     let folder = target("chains");
     let (file, blob) = cornell(&folder, SIZE);
     let scene = Scene::open(blob.bytes()).unwrap();
-    let settings = Settings {
+    let mut settings = Settings {
         estimator: Estimator::Metropolis,
         ..Settings::default()
     };
     let mut scratch = Scratch::<32>::new();
     let view = &mut scratch.view(&scene);
-    let estimates: Vec<f32> = (0..SAMPLES)
-        .map(|sample| scene.bootstrap(&settings, sample, view, &mut |_, _| ()))
-        .collect();
-    let sum: f64 = estimates.iter().map(|&e| f64::from(e)).sum();
     let [width, height] = scene.size();
     let mut image = vec![[0.0f32; 3]; (width * height) as usize];
+    let add = |image: &mut Vec<[f32; 3]>, [x, y]: [u32; 2], value: etendue::Rgb| {
+        let pixel = &mut image[(y * width + x) as usize];
+        for (sum, v) in pixel.iter_mut().zip(value.to_array()) {
+            *sum += v;
+        }
+    };
+    let mean: f64 = (0..SAMPLES)
+        .map(|i| f64::from(scene.bootstrap(&settings, i, view, &mut |_, _| ()) / SAMPLES as f32))
+        .sum();
+    settings.mutations.above = (mean / 2.0) as f32;
+    let estimates: Vec<f32> = (0..SAMPLES)
+        .map(|i| scene.bootstrap(&settings, i, view, &mut |p, v| add(&mut image, p, v)))
+        .collect();
+    let sum: f64 = estimates.iter().map(|&e| f64::from(e)).sum();
     for id in 0..CHAINS {
         let mut place = (id as f64 + 0.5) / CHAINS as f64 * sum;
         let beyond = estimates.iter().position(|&e| {
@@ -207,23 +217,12 @@ fn chains_give_the_kernels_bits() {
         let from = beyond.map_or(SAMPLES - 1, |sample| sample as u64);
         let mut chain = Chain::<16>::new();
         chain.start(&scene, &settings, id, from, view);
-        let scale = (sum / SAMPLES as f64) as f32;
-        chain.advance(
-            &scene,
-            &settings,
-            scale,
-            STEPS,
-            view,
-            &mut |[x, y], value| {
-                let pixel = &mut image[(y * width + x) as usize];
-                for (sum, v) in pixel.iter_mut().zip(value.to_array()) {
-                    *sum += v;
-                }
-            },
-        );
+        let scale = (sum / (CHAINS * STEPS) as f64) as f32;
+        let splat = &mut |p, v| add(&mut image, p, v);
+        chain.advance(&scene, &settings, scale, STEPS, view, splat);
     }
     let mut expected = format!("PF\n{width} {height}\n-1.0\n").into_bytes();
-    let share = width as f32 * height as f32 / (CHAINS as f32 * STEPS as f32);
+    let share = width as f32 * height as f32 / SAMPLES as f32;
     for row in image.chunks(width as usize).rev() {
         let values = row.as_flattened().iter();
         expected.extend(values.flat_map(|v| (v * share).to_le_bytes()));

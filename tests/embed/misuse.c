@@ -186,6 +186,12 @@ int main(int argc, char **argv)
     wrong.view_steps = 1.5f;
     EXPECT(PIXEL(scene, &wrong, NULL, scratch, 0, 0, rgb), ETD_E_ARGUMENT);
     wrong = settings;
+    wrong.above = -1;
+    EXPECT(PIXEL(scene, &wrong, NULL, scratch, 0, 0, rgb), ETD_E_ARGUMENT);
+    wrong.estimator = ETD_METROPOLIS;
+    wrong.above = 1;
+    EXPECT(etd_chain_bootstrap(scene, &wrong, NULL, scratch, 0, 1, rgb), ETD_E_SPLAT);
+    wrong = settings;
     wrong.estimator = ETD_BIDIRECTIONAL;
     EXPECT(PIXEL(scene, &wrong, NULL, scratch, 0, 0, rgb), ETD_E_SPLAT);
     EXPECT(PIXEL(scene, &settings, &hooks, scratch, 0, 0, rgb), ETD_E_SIZE);

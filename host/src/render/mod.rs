@@ -91,7 +91,7 @@ pub struct Rendered {
     pub chains: Option<ChainReport>,
     /// How accurate it is, if it was to be accurate.
     pub accuracy: Option<Accuracy>,
-    /// What its samples' contributions are like; of chains, of those that they started from at first. `None` where that isn't looked at: on GPUs, and where pixels have
+    /// What its samples' contributions are like; of chains, of those that they start from. `None` where that isn't looked at: on GPUs, and where pixels have
     /// samples of different weight.
     pub tail: Option<Tail>,
 }

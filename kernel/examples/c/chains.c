@@ -1,7 +1,7 @@
 /* Metropolis light transport: chains SCENE.etd OUT.pfm
  *
- * Samples drawn independently say how bright the image is and where chains start; chains say where in the image the light is. They depend on their
- * numbers alone, so that threads could share them out in any way. */
+ * Samples drawn independently give what is easily found, up to half the image's mean for each contribution; they say how much there is beyond, and
+ * where chains start, which give that. They depend on their numbers alone, so that threads could share them out in any way. */
 #include "etendue.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,10 +34,15 @@ static EtdStatus render(const EtdScene *scene, EtdScratch *scratch, Film *film, 
 {
     EtdHooks hooks = {sizeof hooks, 0, film, splat, NULL, NULL, NULL, NULL};
     EtdSettings settings;
-    double sum = 0, kept = 0;
+    double mean = 0, sum = 0, kept = 0;
     etd_settings_default(&settings);
     settings.estimator = ETD_METROPOLIS;
     EtdStatus status = etd_chain_bootstrap(scene, &settings, NULL, scratch, 0, SAMPLES, estimates);
+    for (int i = 0; status == ETD_OK && i < SAMPLES; i++)
+        mean += estimates[i] / SAMPLES;
+    settings.above = (float)(mean / 2);
+    if (status == ETD_OK)
+        status = etd_chain_bootstrap(scene, &settings, &hooks, scratch, 0, SAMPLES, estimates);
     for (int i = 0; status == ETD_OK && i < SAMPLES; i++)
         sum += estimates[i];
     for (int i = 0; status == ETD_OK && i < CHAINS; i++) {
@@ -46,15 +51,16 @@ static EtdStatus render(const EtdScene *scene, EtdScratch *scratch, Film *film, 
         status = etd_chain_start(scene, &settings, scratch, (uint64_t)i, draw(estimates, sum, i), memory,
                                  etd_chain_size(), &chain);
         if (status == ETD_OK)
-            status = etd_chain_advance(scene, &settings, &hooks, scratch, chain, (float)(sum / SAMPLES), STEPS);
+            status = etd_chain_advance(scene, &settings, &hooks, scratch, chain, (float)(sum / ((double)CHAINS * STEPS)), STEPS);
         if (status == ETD_OK)
             status = etd_chain_accepted(chain, &share);
         kept += share;
     }
     for (size_t i = 0; i < 3 * (size_t)film->width * film->height; i++)
-        film->sums[i] *= (float)film->width * (float)film->height / ((float)CHAINS * STEPS);
+        film->sums[i] *= (float)film->width * (float)film->height / SAMPLES;
     if (status == ETD_OK)
-        printf("mean %g W/(m2 sr), %.0f %% of small steps accepted\n", sum / SAMPLES, 100 * kept / CHAINS);
+        printf("mean %g W/(m2 sr), %.0f %% by chains, %.0f %% of small steps accepted\n", mean, 100 * sum / SAMPLES / mean,
+               100 * kept / CHAINS);
     return status;
 }
 
