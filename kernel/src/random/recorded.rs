@@ -79,7 +79,7 @@ pub struct TapeView<'t> {
 
 impl TapeView<'_> {
     /// The next place for `purpose` that nothing is recorded in yet; none if that is more than are kept.
-    fn free(&mut self, walk: usize, vertex: usize, purpose: Purpose) -> Option<usize> {
+    fn free(&self, walk: usize, vertex: usize, purpose: Purpose) -> Option<usize> {
         let mask = self.recorded.get(walk)?.get(vertex)?;
         let (first, count) = slots(purpose);
         (first..first + count)
@@ -272,16 +272,10 @@ impl Sampler for Recorded<'_> {
         let Some(slot) = after.free(*walk, *vertex, purpose) else {
             return fresh.one(purpose);
         };
-        let value = match *mutation {
-            Mutation::Large => fresh.one(purpose),
-            Mutation::Small(size) => match before.known(*walk, *vertex, slot) {
-                Some(old) => moved(old, size, DECADES, fresh),
-                None => fresh.one(purpose),
-            },
-            Mutation::View(_) => match before.known(*walk, *vertex, slot) {
-                Some(old) => old,
-                None => fresh.one(purpose),
-            },
+        let value = match (*mutation, before.known(*walk, *vertex, slot)) {
+            (Mutation::Small(size), Some(old)) => moved(old, size, DECADES, fresh),
+            (Mutation::View(_), Some(old)) => old,
+            _ => fresh.one(purpose),
         };
         after.set(*walk, *vertex, slot, value);
         value
