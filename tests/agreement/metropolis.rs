@@ -1,7 +1,7 @@
 //! Chains give what samples give, whatever the seed, the threads and the batches. Some of all scenes, unless tests are to be deep: chains change nothing
 //! in what surfaces, lights and media are.
 
-use super::{BLOCKS, Estimate, Named, estimates, media, scenes, spectra};
+use super::{BLOCKS, Estimate, Named, estimates, media, panes, scenes, spectra};
 use etendue::estimate::{Chain, Mutations};
 use etendue::{Estimator, Heuristic, Scene, Scratch, Settings};
 use etendue_host::blob::AlignedBlob;
@@ -105,6 +105,14 @@ fn in_media() {
 }
 
 #[test]
+fn through_glass_behind_glass() {
+    // Not the sky: where it is seen all samples are the same, and rounding would be compared.
+    let mut scenes = panes::panes();
+    scenes.retain(|(name, ..)| !name.contains("sky"));
+    agree(scenes);
+}
+
+#[test]
 fn by_wavelengths() {
     agree(vec![spectra::dispersing()]);
 }
@@ -116,7 +124,8 @@ fn starts_are_where_they_were_drawn() {
     let mut scenes = scenes::objects();
     scenes.extend(scenes::glossy());
     scenes.extend(media::boundaries());
-    for (name, d, _) in some(scenes, 2) {
+    // And always where chains start from walks aside.
+    for (name, d, _) in some(scenes, 2).into_iter().chain(panes::panes()) {
         let bytes = blob(&d);
         let scene = Scene::open(bytes.bytes()).unwrap();
         let mean = brightness(&scene);
