@@ -1,7 +1,7 @@
 //! The hosted functions: builders made, built, refitted, freed; renders.
 
 use super::Program;
-use super::estimate::{MOST_PIXELS, settings};
+use super::estimate::{MOST_PIXELS, Of, settings};
 use super::memory::{Room, Struct, pointer, seldom, zeros};
 use super::scene::Blob;
 use arbitrary::{Arbitrary, Result};
@@ -124,7 +124,8 @@ impl Program<'_> {
     pub fn drop_builder(&mut self) {
         let b = &mut self.builder;
         let at = std::mem::replace(&mut b.at, null_mut());
-        (b.textures, b.materials, b.objects, b.lights) = (0, 0, 0, 0);
+        (b.textures, b.materials, b.objects) = (0, 0, 0);
+        (b.lights, b.media) = (0, 0);
         // SAFETY: a builder of this program, used no more.
         let status = self.call("free", true, || unsafe { etd_builder_free(at) });
         assert_eq!(status, ETD_OK);
@@ -182,7 +183,7 @@ impl Program<'_> {
 
     pub fn host_render(&mut self) -> Result<()> {
         let scene = self.scene()?;
-        let settings = settings(&mut self.s)?;
+        let settings = settings(&mut self.s, Of::Others)?;
         let s = &mut self.s;
         let right = 3 * scene.size[0] as usize * scene.size[1] as usize;
         let small = right <= 3 * MOST_PIXELS;

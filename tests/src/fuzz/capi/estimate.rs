@@ -19,17 +19,28 @@ use std::ptr::null_mut;
 /// Largest image that films are made of here.
 pub(super) const MOST_PIXELS: usize = 1024;
 
+/// What is estimated.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Of {
+    /// Pixels, by samples that may add to others.
+    Pixels,
+    /// What is a place, a ray, or a film.
+    Others,
+    /// Pixels, by chains.
+    Chains,
+}
+
 /// What all estimating calls take.
-struct Common {
-    scene: Handle<EtdScene>,
-    settings: Struct<EtdSettings>,
-    recorder: Box<Recorder>,
-    hooks: Struct<EtdHooks>,
-    scratch: Handle<EtdScratch>,
+pub(super) struct Common {
+    pub scene: Handle<EtdScene>,
+    pub settings: Struct<EtdSettings>,
+    pub recorder: Box<Recorder>,
+    pub hooks: Struct<EtdHooks>,
+    pub scratch: Handle<EtdScratch>,
 }
 
 impl Common {
-    fn good(&self) -> bool {
+    pub fn good(&self) -> bool {
         self.scene.good && self.settings.good && self.hooks.good && self.scratch.good
     }
 
@@ -40,7 +51,7 @@ impl Common {
 }
 
 /// Settings that may ask for what there isn't.
-pub(super) fn settings(s: &mut Source<'_>) -> Result<Struct<EtdSettings>> {
+pub(super) fn settings(s: &mut Source<'_>, of: Of) -> Result<Struct<EtdSettings>> {
     let mut value = super::memory::zeros::<EtdSettings>();
     // SAFETY: memory for one.
     unsafe {
@@ -75,6 +86,8 @@ pub(super) fn settings(s: &mut Source<'_>) -> Result<Struct<EtdSettings>> {
         n => n as i32 - 1,
     };
     value.seed = u64::from(u16::arbitrary(&mut s.bytes)?);
+    // Of its bits, so that older inputs mean the same.
+    value.sequence = (value.seed >> 15) as u32;
     if value.estimator >= ETD_DISTRIBUTED {
         value.branching = [s.below(4)? as u8, s.below(3)? as u8, 1, 0, 0, 0, 0, 0];
         value.light_samples = number(s, 3)?.max(1);
@@ -82,12 +95,17 @@ pub(super) fn settings(s: &mut Source<'_>) -> Result<Struct<EtdSettings>> {
         value.steps = number(s, 20)?.max(1);
         value.shift = number(s, 2)?;
     }
-    let sound = ALWAYS.contains(&value.estimator)
-        && (1..=255).contains(&value.light_samples)
+    let sound = (1..=255).contains(&value.light_samples)
         && (1..=8).contains(&value.quadrature)
         && (1..=65535).contains(&value.steps)
         && value.heuristic <= ETD_MAXIMUM
         && value.max_edges >= -1;
+    let sound = if of == Of::Chains {
+        value.estimator = if seldom(s)? { ETD_PATH } else { ETD_METROPOLIS };
+        sound && value.estimator == ETD_METROPOLIS && super::chain::mutations(s, &mut value)?
+    } else {
+        sound && ALWAYS.contains(&value.estimator)
+    };
     // Paths of no limit are for scenes that are known to end them.
     if value.max_edges > 9 {
         value.max_edges = 9;
@@ -102,12 +120,13 @@ fn sums(room: &mut Room) -> *mut EtdSum {
 }
 
 impl Program<'_> {
-    fn common(&mut self, pixels: bool) -> Result<Common> {
+    pub fn common(&mut self, of: Of) -> Result<Common> {
         let scene = self.scene()?;
         let scratch = self.scratch()?;
-        let settings = settings(&mut self.s)?;
+        let settings = settings(&mut self.s, of)?;
         let mut recorder = Recorder::new(&mut self.s, scene.size)?;
-        let splats = pixels && [ETD_LIGHT, ETD_BIDIRECTIONAL].contains(&settings.get().estimator);
+        let splats =
+            of == Of::Pixels && [ETD_LIGHT, ETD_BIDIRECTIONAL].contains(&settings.get().estimator);
         let hooks = hooks(&mut self.s, &mut recorder, splats)?;
         Ok(Common {
             scene,
@@ -119,7 +138,7 @@ impl Program<'_> {
     }
 
     pub fn pixel(&mut self) -> Result<()> {
-        let c = self.common(true)?;
+        let c = self.common(Of::Pixels)?;
         let s = &mut self.s;
         let [w, h] = c.scene.size;
         let outside = u32::from(seldom(s)?);
@@ -149,7 +168,7 @@ impl Program<'_> {
 
     /// What an estimator is worth.
     pub fn pilot(&mut self) -> Result<()> {
-        let c = self.common(false)?;
+        let c = self.common(Of::Others)?;
         let s = &mut self.s;
         let sum = EtdPilot {
             struct_size: 0,
@@ -188,7 +207,7 @@ impl Program<'_> {
 
     /// Rays, or points on surfaces.
     pub fn probe(&mut self, rays: bool) -> Result<()> {
-        let c = self.common(false)?;
+        let c = self.common(Of::Others)?;
         let s = &mut self.s;
         let count = s.below(5)?;
         let numbers = |s: &mut Source<'_>, limit: f32| -> Result<Vec<f32>> {
@@ -267,7 +286,7 @@ impl Program<'_> {
     }
 
     pub fn tile(&mut self) -> Result<()> {
-        let c = self.common(true)?;
+        let c = self.common(Of::Pixels)?;
         let (tile, inside) = self.rectangle(c.scene.size)?;
         let s = &mut self.s;
         let t = tile.get();
@@ -295,7 +314,7 @@ impl Program<'_> {
 
     /// A tile into a film, merged with itself, resolved.
     pub fn film(&mut self) -> Result<()> {
-        let mut c = self.common(false)?;
+        let mut c = self.common(Of::Others)?;
         let (tile, inside) = self.rectangle(c.scene.size)?;
         let s = &mut self.s;
         let [w, h] = c.scene.size.map(|n| n as usize);

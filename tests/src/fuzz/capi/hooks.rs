@@ -16,8 +16,8 @@ pub(super) struct Recorder {
     pub noise: u32,
     /// A hash of what was told.
     pub heard: u64,
-    /// Whether something told made no sense.
-    pub wrong: bool,
+    /// What was told that made no sense.
+    pub wrong: Option<&'static str>,
 }
 
 impl Recorder {
@@ -27,8 +27,14 @@ impl Recorder {
             patience: u32::from(u8::arbitrary(&mut s.bytes)?),
             noise: u32::arbitrary(&mut s.bytes)? | 1,
             heard: 0,
-            wrong: false,
+            wrong: None,
         }))
+    }
+
+    fn expect(&mut self, sound: bool, what: &'static str) {
+        if !sound {
+            self.wrong = Some(what);
+        }
     }
 
     fn hear(&mut self, word: u32) {
@@ -101,7 +107,8 @@ unsafe extern "C" fn splat(user: *mut c_void, x: u32, y: u32, rgb: *const f32) {
     let inside = x < recorder.size[0] && y < recorder.size[1];
     // Single wavelengths are beyond the gamut: signs say nothing.
     let good = rgb.iter().all(|c| c.is_finite());
-    recorder.wrong |= !(inside && good);
+    recorder.expect(inside, "a splat outside the image");
+    recorder.expect(good, "a splat that isn't finite");
     recorder.hear(x);
     recorder.hear(y);
     for c in rgb {
@@ -120,13 +127,11 @@ unsafe extern "C" fn closest(user: *mut c_void, ray: *const EtdRay, hit: *mut Et
     // SAFETY: what `hooks` gave, a ray and a hit.
     let (recorder, ray, hit) = unsafe { (of(user), &*ray, &mut *hit) };
     let far = if ray.t_max < 100.0 { ray.t_max } else { 100.0 };
-    recorder.wrong |= ray.struct_size as usize != size_of::<EtdRay>()
-        || hit.struct_size as usize != size_of::<EtdHit>()
-        || !ray
-            .origin
-            .iter()
-            .chain(&ray.direction)
-            .all(|x| x.is_finite());
+    let sized = ray.struct_size as usize == size_of::<EtdRay>()
+        && hit.struct_size as usize == size_of::<EtdHit>();
+    recorder.expect(sized, "a struct of another size");
+    let mut numbers = ray.origin.iter().chain(&ray.direction);
+    recorder.expect(numbers.all(|x| x.is_finite()), "a ray that isn't finite");
     hit.primitive = match recorder.next() {
         x if x % 16 == 0 => recorder.next(),
         x => x % 40,
@@ -146,7 +151,14 @@ unsafe extern "C" fn occluded(user: *mut c_void, _ray: *const EtdRay) -> i32 {
 unsafe extern "C" fn random(user: *mut c_void, subpath: u32, vertex: u32, purpose: u32) -> f32 {
     // SAFETY: what `hooks` gave.
     let recorder = unsafe { of(user) };
-    recorder.wrong |= subpath > 1 || purpose > 11;
+    recorder.expect(
+        subpath <= 2,
+        "a number for a walk that the header doesn't know",
+    );
+    recorder.expect(
+        purpose <= 11,
+        "a number for a purpose that the header doesn't know",
+    );
     recorder.hear(vertex);
     recorder.float()
 }

@@ -67,6 +67,7 @@ pub(super) fn fixtures() -> Vec<Blob> {
         include_bytes!("../../../data/bits/matter.etd").as_slice(),
         include_bytes!("../../../data/bits/open_air.etd"),
         include_bytes!("../../../data/bits/plan.etd"),
+        include_bytes!("../../../data/bits/prism.etd"),
     ]
     .map(|bytes| Blob::copy(bytes, false))
     .into()
