@@ -10,6 +10,7 @@ use etendue_host::render::{Budget, Device, Options, Rendered, render};
 use etendue_tests::render::blob;
 use etendue_tests::{deep, samples, some};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 /// Renders that are independent of each other, pilots included: what spreads them is all the chance that there is.
@@ -156,6 +157,47 @@ fn starts_are_where_they_were_drawn() {
     }
 }
 
+/// Where only the place in the image moves, the light walk is that of the step before. Steps taken one by one know of none before them: they trace
+/// it anew, and come to the same places. Not where masks ask for more numbers than are kept: these are drawn anew, after those of the light walk.
+#[test]
+fn a_light_walk_that_is_kept_is_the_one_that_its_numbers_make() {
+    let mut scenes = scenes::objects();
+    scenes.extend(scenes::glossy());
+    scenes.retain(|(name, ..)| !name.contains("mask"));
+    for (name, d, _) in scenes {
+        let bytes = blob(&d);
+        let scene = Scene::open(bytes.bytes()).unwrap();
+        let settings = Settings::default();
+        let mut scratch = Scratch::<32>::new();
+        let view = &mut scratch.view(&scene);
+        let starts = (0..).filter(|&sample| {
+            let mut scratch = Scratch::<32>::new();
+            scene.bootstrap(&settings, sample, &mut scratch.view(&scene), &mut |_, _| ()) > 0.0
+        });
+        for sample in starts.take(50) {
+            let [whole, parts] = [1, 200].map(|parts| {
+                let mut image: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+                let mut chain = Chain::<16>::new();
+                chain.start(&scene, &settings, sample, sample, view);
+                for _ in 0..parts {
+                    chain.advance(&scene, &settings, 1.0, 200 / parts, view, &mut |at, v| {
+                        *image.entry(at).or_default() += f64::from(v.r + v.g + v.b);
+                    });
+                }
+                image
+            });
+            // The same splats, but for how they are rounded.
+            assert!(whole.keys().eq(parts.keys()), "{name}, {sample}");
+            for (a, b) in whole.values().zip(parts.values()) {
+                assert!(
+                    (a - b).abs() <= 1e-3 * a.abs().max(1e-3),
+                    "{name}, {sample}: {a}, {b}"
+                );
+            }
+        }
+    }
+}
+
 /// The image's mean, by a thousand samples.
 fn brightness(scene: &Scene<'_>) -> f32 {
     let (settings, mut scratch) = (Settings::default(), Scratch::<32>::new());
@@ -241,7 +283,7 @@ fn the_dark_is_dark() {
     assert!(r.image.as_flattened().iter().all(|&x| x == 0.0));
 }
 
-/// The image's brightness is that of the samples, but for less than a chain (the energy of 1024/6 samples) for each 64 pixels, whatever the share of
+/// The image's brightness is that of the samples, but for less than a chain (the energy of 1024/9 samples) for each 64 pixels, whatever the share of
 /// large steps.
 #[test]
 fn brightness_is_that_of_the_samples() {

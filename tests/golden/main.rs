@@ -71,20 +71,27 @@ const ESTIMATORS: [(Estimator, Heuristic, Sequence); 10] = {
     ]
 };
 
-fn image(scene: &Scene<'_>, settings: Settings, threads: usize) -> String {
+/// Its hash, and how many chains it took.
+fn image(scene: &Scene<'_>, settings: Settings, threads: usize) -> (String, u64) {
+    // Chains start once there is enough for one.
+    let chains = settings.estimator == Estimator::Metropolis;
     let options = Options {
         settings,
-        budget: Budget::Passes(4),
+        budget: Budget::Passes(if chains { 128 } else { 4 }),
         threads,
         device: Device::Cpu,
     };
     let rendered = render(scene, &options, &AtomicBool::new(false), &|_| ()).unwrap();
-    format!("{:016x}", hash(rendered.image.as_flattened()))
+    let chains = rendered.chains.map_or(0, |report| report.chains);
+    (
+        format!("{:016x}", hash(rendered.image.as_flattened())),
+        chains,
+    )
 }
 
 #[test]
 fn hashes_are_what_they_were_on_every_instruction_set_and_thread_count() {
-    let mut found = BTreeMap::new();
+    let (mut found, mut chains) = (BTreeMap::new(), 0);
     for (name, bytes) in scenes() {
         for (estimator, heuristic, sequence) in ESTIMATORS {
             let settings = Settings {
@@ -115,9 +122,12 @@ fn hashes_are_what_they_were_on_every_instruction_set_and_thread_count() {
                     "{what}: {isa:?} on {threads} threads"
                 );
             }
-            found.insert(what, first);
+            let (hash, started) = first;
+            chains += started;
+            found.insert(what, hash);
         }
     }
+    assert!(chains > 16, "{chains} chains");
     let file = data("golden.json");
     if std::env::var_os("ETENDUE_BLESS").is_some() {
         std::fs::write(&file, serde_json::to_string_pretty(&found).unwrap() + "\n").unwrap();

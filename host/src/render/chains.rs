@@ -129,13 +129,13 @@ struct Balance {
 impl Balance {
     /// Of these multiples of the image's mean.
     const ABOVE: [f64; 6] = [0.0, 0.125, 0.5, 2.0, 8.0, 32.0];
-    /// Steps for each sample, if all was left to chains: what a step hands out is the image's mean over this. With 1, 2, 4, 8, 16 of them door-ajar.xml has
-    /// 0.6, 0.9, 1, 1, 0.8 of the efficiency; glass-caustic.xml does best with few.
-    const STEPS: f64 = 6.0;
+    /// Steps for each sample, if all was left to chains: what a step hands out is the image's mean over this. With 6 and 9 of them door-ajar.xml has 0.9 and 1
+    /// of the efficiency, glass-caustic.xml as much; with 1, 2, 16, when a step was a third slower, 0.6, 0.9, 0.8.
+    const STEPS: f64 = 9.0;
     /// How many steps of a chain are worth one that is independent of all others: 12 to 15 in door-ajar.xml.
     const CORRELATION: f64 = 12.0;
     /// Time of a step over that of a sample.
-    const TIME: f64 = 0.3;
+    const TIME: f64 = 0.25;
     /// Pixels that a chain spreads over, about.
     const REACH: f64 = 256.0;
 

@@ -43,6 +43,11 @@ const MORE: u32 = 4;
 pub(super) trait Strategies<S> {
     /// Whether this one is.
     fn has(&self, s: usize, t: usize) -> bool;
+    /// Whether the light walk is the one of the sample before.
+    #[inline(always)]
+    fn keeps_light(&self) -> bool {
+        false
+    }
     /// Whether one is whose light walk, or sensor walk, has more vertices than this, and is made of that walk.
     fn has_more(&self, end: Subpath, vertices: usize) -> bool;
     /// What one of them contributes, and the share that counts: to the element, or to where the sensor sees it, to be [`spread`].
@@ -155,10 +160,15 @@ pub(super) fn join<T: Tracer, K: Instance, P: Sampler>(
     sampler: &mut P,
     scratch: &mut Workspace<'_, K::S>,
 ) {
+    let kept = wanted.keeps_light();
+    if !kept {
+        scratch.light.clear();
+        scratch.links.clear();
+    }
     let Some(mis) = begin(trace, settings, limit, element, scratch) else {
         return;
     };
-    if wanted.has_more(Subpath::Light, 0) {
+    if !kept && wanted.has_more(Subpath::Light, 0) {
         light_side(trace, limit, &mis, element, wanted, sampler, scratch);
     }
     if wanted.has_more(Subpath::Sensor, 1) {
@@ -166,7 +176,7 @@ pub(super) fn join<T: Tracer, K: Instance, P: Sampler>(
     }
 }
 
-/// Nothing stored yet, and what all weights have in common; `None` if there are no paths so short.
+/// Nothing of the sensor walk stored yet, and what all weights have in common; `None` if there are no paths so short.
 #[inline(always)]
 fn begin<T: Tracer, K: Instance>(
     trace: &Trace<'_, '_, T, K>,
@@ -175,8 +185,6 @@ fn begin<T: Tracer, K: Instance>(
     element: &Element,
     scratch: &mut Workspace<'_, K::S>,
 ) -> Option<Mis> {
-    scratch.light.clear();
-    scratch.links.clear();
     scratch.sensor.clear();
     let capacity = scratch.light.capacity();
     (limit > 0).then(|| super::mis(settings, element.light_paths(&trace.scene), capacity))

@@ -52,8 +52,8 @@ pub struct Mutations {
 impl Default for Mutations {
     fn default() -> Self {
         Self {
-            large: 0.05,
-            view: 0.6,
+            large: 0.01,
+            view: 0.75,
             size: 1.0 / 64.0,
             above: 0.0,
         }
@@ -198,6 +198,8 @@ struct Drawn<'w> {
     state: State,
     strategy: Strategy,
     aside: bool,
+    /// Whether the scratch has the sample's light walk already.
+    lit: bool,
 }
 
 impl<'w> Drawn<'w> {
@@ -213,6 +215,7 @@ impl<'w> Drawn<'w> {
             },
             strategy: Strategy { s: 0, t: 2 },
             aside: false,
+            lit: false,
         }
     }
 }
@@ -233,6 +236,10 @@ impl<S: Spectrum> Strategies<S> for Drawing<'_, '_, '_, '_, S> {
             Wanted::Only(only) => only == Strategy { s, t },
             Wanted::Any(..) => true,
         }
+    }
+    #[inline(always)]
+    fn keeps_light(&self) -> bool {
+        self.drawn.lit
     }
     #[inline(always)]
     fn has_more(&self, end: Subpath, vertices: usize) -> bool {
@@ -393,14 +400,18 @@ fn place(scene: &Scene<'_>, index: u64, xi: [Real; 2]) -> [Real; 2] {
     [at(0, width), at(1, height)]
 }
 
-/// The path of `edges` edges that `numbers` make, by the strategy that they choose.
+/// The path of `edges` edges that `numbers` make, by the strategy that they choose. If it is `lit`, the scratch has its light walk.
 fn evaluate(
     scene: &Scene<'_>,
     settings: &Settings,
     edges: u32,
+    lit: bool,
     numbers: &mut Recorded<'_>,
     scratch: &mut ScratchView<'_>,
 ) -> State {
+    if lit {
+        numbers.keep_light();
+    }
     let [x, y, choice]: [Real; CHOICES] = numbers.choose();
     let pixel = begin(scene, [x, y], numbers);
     let count = strategies(edges, scratch);
@@ -410,6 +421,7 @@ fn evaluate(
         t: (edges + 1 - s) as usize,
     };
     let mut drawn = Drawn::new(Wanted::Only(only), settings, pixel);
+    drawn.lit = lit;
     let draw = Draw {
         scene,
         settings,

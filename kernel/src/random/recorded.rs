@@ -1,7 +1,7 @@
 //! Recorded numbers: what a path was made of, to be changed a little and made again (`transport.md` §7, Metropolis).
 
 use super::{Pcg, Purpose, Sampler, Subpath};
-use crate::real::{ONE_MINUS, Real, exp};
+use crate::real::{ONE_MINUS, Real};
 
 /// Numbers of a vertex that are recorded.
 const SLOTS: usize = 16;
@@ -113,17 +113,17 @@ impl TapeView<'_> {
 pub enum Mutation {
     /// In everything.
     Large,
-    /// In the place in the image alone, by steps of at most this size whose logarithms are uniform down to a 32nd of it.
+    /// In the place in the image alone, by steps of at most this size; their logarithms, too, are uniform or nearly so, down to a 32nd of it.
     View(Real),
-    /// By steps of at most this size in each number (Kelemen et al. 2002, §4.3: their logarithms are uniform down to
+    /// By steps of at most this size in each number (Kelemen et al. 2002, §4.3: their logarithms are uniform, or nearly so, down to
     /// a 1024th of it).
     Small(Real),
 }
 
-/// ln of the largest step over the smallest, 1024: Kelemen has 16, but a chain that has got onto a peak narrower than its smallest step stays there for good.
-const DECADES: Real = 6.931_472;
+/// How often the largest step can be halved: Kelemen has 4, but a chain that has got onto a peak narrower than its smallest step stays there for good.
+const OCTAVES: u32 = 10;
 /// The same for [`Mutation::View`]: less would stay in the pixel.
-const VIEW_DECADES: Real = 3.465_736;
+const VIEW_OCTAVES: u32 = 5;
 
 /// The numbers of a proposal: those of the path before it, changed. What isn't asked for isn't kept: its distribution, given the path, is
 /// uniform, so that drawing it anew when it is asked for again leaves the target as it is. Nor is what doesn't fit on the tape; it is drawn anew at
@@ -172,9 +172,13 @@ impl<'t> Recorded<'t> {
         let pairs = self.after.choice.iter_mut().zip(self.before.choice.iter());
         for ((new, old), i) in pairs.zip(0..) {
             *new = match self.mutation {
-                Mutation::Small(size) => moved(*old, size, DECADES, &mut self.fresh),
+                Mutation::Small(size) => {
+                    moved(*old, size, OCTAVES, self.fresh.two(Purpose::Choice))
+                }
                 Mutation::View(_) if i == STRATEGY => *old,
-                Mutation::View(size) => moved(*old, size, VIEW_DECADES, &mut self.fresh),
+                Mutation::View(size) => {
+                    moved(*old, size, VIEW_OCTAVES, self.fresh.two(Purpose::Choice))
+                }
                 Mutation::Large => self.fresh.one(Purpose::Choice),
             };
         }
@@ -184,6 +188,22 @@ impl<'t> Recorded<'t> {
     /// Records the place in the image, and the number that chose the strategy, of a path that was made by others.
     pub fn decide(&mut self, [x, y]: [Real; 2], strategy: Real) {
         *self.after.choice = [x, y, strategy];
+    }
+
+    /// The walk from the light is the same as before.
+    pub fn keep_light(&mut self) {
+        let Self { before, after, .. } = self;
+        let ([_, from], [_, to]) = (&before.numbers, &mut after.numbers);
+        let ([_, masks], [_, new]) = (&before.recorded, &mut after.recorded);
+        for (i, (mask, new)) in masks.iter().zip(new.iter_mut()).enumerate() {
+            // Behind the last vertex that has any there are none.
+            if *mask == 0 && i > 0 {
+                break;
+            }
+            if let (Some(from), Some(to)) = (from.get(i), to.get_mut(i)) {
+                (*new, *to) = (*mask, *from);
+            }
+        }
     }
 
     /// The path is that of the walk aside that was kept, from where that left the sensor's: so are its numbers.
@@ -204,11 +224,13 @@ impl<'t> Recorded<'t> {
     }
 }
 
-/// `x` moved by a small step, around the ends.
+/// `x` moved by a small step, around the ends, by two numbers in [0, 1).
 #[inline(always)]
-fn moved(x: Real, size: Real, decades: Real, random: &mut Pcg) -> Real {
-    let [xi, side] = random.two(Purpose::Choice);
-    let step = size * exp(-decades * xi);
+fn moved(x: Real, size: Real, octaves: u32, [xi, side]: [Real; 2]) -> Real {
+    // Evenly in one of the octaves, all equally likely: an exponential for each number would cost as much as a ray for each path.
+    let place = xi * octaves as Real;
+    let octave = place as u32;
+    let step = size * (1.0 - 0.5 * (place - octave as Real)) / (1u32 << octave.min(31)) as Real;
     let y = if side < 0.5 { x + step } else { x - step };
     let y = if y >= 1.0 {
         y - 1.0
@@ -273,11 +295,72 @@ impl Sampler for Recorded<'_> {
             return fresh.one(purpose);
         };
         let value = match (*mutation, before.known(*walk, *vertex, slot)) {
-            (Mutation::Small(size), Some(old)) => moved(old, size, DECADES, fresh),
+            (Mutation::Small(size), Some(old)) => {
+                moved(old, size, OCTAVES, fresh.two(Purpose::Choice))
+            }
             (Mutation::View(_), Some(old)) => old,
             _ => fresh.one(purpose),
         };
         after.set(*walk, *vertex, slot, value);
         value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ENDS: [Real; 5] = [0.0, Real::MIN_POSITIVE, 0.5, 0.999, ONE_MINUS];
+
+    /// Whatever a number is and whatever draws its step: in [0, 1), and as far away as steps are, around the ends.
+    #[test]
+    fn numbers_move_by_steps_of_their_size_and_stay_numbers() {
+        let rounding = 4.0 * Real::EPSILON;
+        for (x, size) in ENDS
+            .into_iter()
+            .flat_map(|x| [1e-5, 0.01, 0.25, 0.5].map(|size| (x, size)))
+        {
+            for (xi, side) in ENDS.into_iter().flat_map(|xi| ENDS.map(|side| (xi, side))) {
+                for octaves in [VIEW_OCTAVES, OCTAVES] {
+                    let y = moved(x, size, octaves, [xi, side]);
+                    assert!((0.0..1.0).contains(&y), "{x} by {size}, {xi}, {side}: {y}");
+                    let way = (y - x).abs();
+                    let way = way.min(1.0 - way);
+                    let least = size / (1u32 << octaves) as Real;
+                    assert!(way <= size + rounding, "{x} by {size}, {xi}, {side}: {y}");
+                    assert!(way >= least - rounding, "{x} by {size}, {xi}, {side}: {y}");
+                }
+            }
+        }
+    }
+
+    /// Chains are right only if there and back are as likely: a step of one side is undone by the same step of the other.
+    #[test]
+    fn steps_are_undone_by_steps_to_the_other_side() {
+        for x in ENDS {
+            for xi in ENDS {
+                let there = moved(x, 0.25, OCTAVES, [xi, 0.25]);
+                let back = moved(there, 0.25, OCTAVES, [xi, 0.75]);
+                let off = (back - x).abs();
+                assert!(
+                    off.min(1.0 - off) <= 2.0 * Real::EPSILON,
+                    "{x} by {xi}: {back}"
+                );
+            }
+        }
+    }
+
+    /// Each halving is as likely as any other.
+    #[test]
+    fn steps_of_all_sizes_are_as_likely() {
+        let mut counts = [0u32; OCTAVES as usize];
+        for i in 0..1000 {
+            let xi = (i as Real + 0.5) / 1000.0;
+            let step = moved(0.0, 0.5, OCTAVES, [xi, 0.0]);
+            // In (2^−k/2, 2^−k]/2.
+            let octave = (0..).find(|&k| step > 0.25 / (1u32 << k) as Real);
+            counts[octave.unwrap()] += 1;
+        }
+        assert_eq!(counts, [100; OCTAVES as usize]);
     }
 }

@@ -80,8 +80,8 @@ impl<const N: usize> Chain<N> {
         scratch: &mut ScratchView<'_>,
         splat: &mut dyn FnMut([u32; 2], Rgb),
     ) {
-        // The chances of having been here since the last splat.
-        let mut stayed = 0.0;
+        // The chances of having been here since the last splat, and whether the scratch has the light walk from here.
+        let (mut stayed, mut lit) = (0.0, false);
         for _ in 0..steps {
             let mut random = Pcg::new(settings.seed, CHAIN ^ self.id, self.steps);
             self.steps += 1;
@@ -98,7 +98,8 @@ impl<const N: usize> Chain<N> {
             let [a, b] = &mut self.tapes;
             let (before, after) = if self.here == 0 { (a, b) } else { (b, a) };
             let mut numbers = Recorded::new(before.view(), after.view(), mutation, random);
-            let proposed = evaluate(scene, settings, self.edges, &mut numbers, scratch);
+            lit &= matches!(mutation, Mutation::View(_));
+            let proposed = evaluate(scene, settings, self.edges, lit, &mut numbers, scratch);
             // Steps are symmetric but for how often they are small: a = min(1, f*(y) T(y→x)/(f*(x) T(x→y))) (Kelemen et al. 2002, eq. 5).
             let [mut from, mut to] = [self.state, proposed].map(|s| s.importance);
             if matches!(mutation, Mutation::Small(_)) {
@@ -110,7 +111,9 @@ impl<const N: usize> Chain<N> {
                 self.small = [self.small[0] + chance, self.small[1] + 1.0];
             }
             stayed += 1.0 - chance;
-            if accept < chance {
+            let accepted = accept < chance;
+            lit |= accepted;
+            if accepted {
                 self.state.splat(scene, stayed * scale, splat);
                 (self.state, self.here, stayed) = (proposed, 1 - self.here, chance);
             } else {
