@@ -160,16 +160,15 @@ pub(super) fn join<T: Tracer, K: Instance, P: Sampler>(
     sampler: &mut P,
     scratch: &mut Workspace<'_, K::S>,
 ) {
-    let kept = wanted.keeps_light();
-    if !kept {
-        scratch.light.clear();
-        scratch.links.clear();
-    }
     let Some(mis) = begin(trace, settings, limit, element, scratch) else {
         return;
     };
-    if !kept && wanted.has_more(Subpath::Light, 0) {
-        light_side(trace, limit, &mis, element, wanted, sampler, scratch);
+    if !wanted.keeps_light() {
+        scratch.light.clear();
+        scratch.links.clear();
+        if wanted.has_more(Subpath::Light, 0) {
+            light_side(trace, limit, &mis, element, wanted, sampler, scratch);
+        }
     }
     if wanted.has_more(Subpath::Sensor, 1) {
         sensor_side(trace, limit, &mis, element, wanted, sampler, scratch);

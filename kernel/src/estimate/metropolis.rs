@@ -20,7 +20,7 @@
 
 mod chain;
 
-pub use chain::Chain;
+pub use chain::{Chain, Mutations};
 
 use super::bidirectional::{self, Strategies};
 use super::scratch::{ScratchView, Workspace};
@@ -31,52 +31,9 @@ use crate::path::Trace;
 use crate::random::{
     CHOICES, Mutation, Pcg, Purpose, Recorded, Sampler as _, Subpath, Tape, TapeView,
 };
-use crate::real::{ONE_MINUS, Real, exp, log};
+use crate::real::{ONE_MINUS, Real};
 use crate::sensor::{Element, each_pixel};
 use crate::spectrum::{Rgb, Spectrum};
-
-/// How chains move.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mutations {
-    /// How often a step is a path drawn anew, 0 to 1.
-    pub large: Real,
-    /// The share of the others that move the path's place in the image and nothing else, 0 to 1; none are where that place doesn't matter (t = 1).
-    pub view: Real,
-    /// The largest change of a number in what steps are left; [`Mutations::tuned`] finds a good one.
-    pub size: Real,
-    /// What chains leave to whole samples: what a contribution carries up to so much, the mean channel of what it adds to pixels, a radiance. 0: nothing.
-    /// Any value gives the same image in the mean.
-    pub above: Real,
-}
-
-impl Default for Mutations {
-    fn default() -> Self {
-        Self {
-            large: 0.01,
-            view: 0.75,
-            size: 1.0 / 64.0,
-            above: 0.0,
-        }
-    }
-}
-
-impl Mutations {
-    /// The share of small steps that should be accepted.
-    pub const TARGET: Real = 0.5;
-
-    /// After a chain of which `accepted` of the small steps were: a size nearer to [`Self::TARGET`]. For chains that are thrown away: a chain
-    /// that learns as it goes has another target.
-    #[must_use]
-    pub fn tuned(self, accepted: Real) -> Self {
-        /// How fast: ln of the size changes by this much times what is amiss.
-        const GAIN: Real = 1.5;
-        let size = exp(log(self.size) + GAIN * (accepted - Self::TARGET));
-        Self {
-            size: size.clamp(1e-5, 0.25),
-            ..self
-        }
-    }
-}
 
 /// What a strategy contributes.
 #[derive(Clone, Copy, Debug)]

@@ -192,27 +192,24 @@ impl<'t> Recorded<'t> {
 
     /// The walk from the light is the same as before.
     pub fn keep_light(&mut self) {
-        let Self { before, after, .. } = self;
-        let ([_, from], [_, to]) = (&before.numbers, &mut after.numbers);
-        let ([_, masks], [_, new]) = (&before.recorded, &mut after.recorded);
-        for (i, (mask, new)) in masks.iter().zip(new.iter_mut()).enumerate() {
-            // Behind the last vertex that has any there are none.
-            if *mask == 0 && i > 0 {
-                break;
-            }
-            if let (Some(from), Some(to)) = (from.get(i), to.get_mut(i)) {
-                (*new, *to) = (*mask, *from);
-            }
-        }
+        self.carry(0, Subpath::Light);
     }
 
     /// The path is that of the walk aside that was kept, from where that left the sensor's: so are its numbers.
     pub fn adopt(&mut self) {
-        for vertex in self.aside[1]..self.before.recorded[1].len() {
-            for slot in 0..SLOTS {
-                if let Some(number) = self.before.known(1, vertex, slot) {
-                    self.after
-                        .set(Subpath::Sensor as usize, vertex, slot, number);
+        self.carry(self.aside[1], Subpath::Sensor);
+    }
+
+    /// What was recorded in the stream of the light, from vertex `first` on, is recorded in that of `to`.
+    fn carry(&mut self, first: usize, to: Subpath) {
+        let (from, to) = (Subpath::Light as usize, to as usize);
+        for vertex in first..self.before.recorded[from].len() {
+            let mut mask = self.before.recorded[from][vertex];
+            while mask != 0 {
+                let slot = mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                if let Some(number) = self.before.known(from, vertex, slot) {
+                    self.after.set(to, vertex, slot, number);
                 }
             }
         }

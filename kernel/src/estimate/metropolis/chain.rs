@@ -1,11 +1,11 @@
 //! Chains, and how they move.
 
-use super::{Mutations, State, draw, evaluate};
+use super::{State, draw, evaluate};
 use crate::blob::Scene;
 use crate::estimate::Settings;
 use crate::estimate::scratch::ScratchView;
 use crate::random::{Mutation, Pcg, Purpose, Recorded, Sampler as _, Tape};
-use crate::real::Real;
+use crate::real::{Real, exp, log};
 use crate::spectrum::Rgb;
 
 /// The largest step in the image of what moves nothing else, of its width and height. Of 0.02, 0.05, 0.2 the one with the least noise on walls.
@@ -13,6 +13,49 @@ const VIEW: Real = 0.05;
 
 /// The salt of the stream that moves chains.
 const CHAIN: u64 = 0x6368_6169_0000_0000;
+
+/// How chains move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mutations {
+    /// How often a step is a path drawn anew, 0 to 1.
+    pub large: Real,
+    /// The share of the others that move the path's place in the image and nothing else, 0 to 1; none are where that place doesn't matter (t = 1).
+    pub view: Real,
+    /// The largest change of a number in what steps are left; [`Mutations::tuned`] finds a good one.
+    pub size: Real,
+    /// What chains leave to whole samples: what a contribution carries up to so much, the mean channel of what it adds to pixels, a radiance. 0: nothing.
+    /// Any value gives the same image in the mean.
+    pub above: Real,
+}
+
+impl Default for Mutations {
+    fn default() -> Self {
+        Self {
+            large: 0.01,
+            view: 0.75,
+            size: 1.0 / 64.0,
+            above: 0.0,
+        }
+    }
+}
+
+impl Mutations {
+    /// The share of small steps that should be accepted.
+    pub const TARGET: Real = 0.5;
+
+    /// After a chain of which `accepted` of the small steps were: a size nearer to [`Self::TARGET`]. For chains that are thrown away: a chain
+    /// that learns as it goes has another target.
+    #[must_use]
+    pub fn tuned(self, accepted: Real) -> Self {
+        /// How fast: ln of the size changes by this much times what is amiss.
+        const GAIN: Real = 1.5;
+        let size = exp(log(self.size) + GAIN * (accepted - Self::TARGET));
+        Self {
+            size: size.clamp(1e-5, 0.25),
+            ..self
+        }
+    }
+}
 
 /// A chain of paths. `N` bounds the vertices of either walk whose numbers are recorded: those beyond are drawn anew at every step.
 #[derive(Clone, Debug)]
