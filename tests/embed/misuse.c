@@ -34,6 +34,16 @@ static int at_once(void *user)
     return 1;
 }
 
+/* A splat that isn't finite or beside the image counts as a failure. */
+static void sane(void *user, uint32_t x, uint32_t y, const float *rgb)
+{
+    const EtdSceneInfo *info = user;
+    if (x >= info->width || y >= info->height || !isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2])) {
+        printf("a splat of %g, %g, %g to %u, %u\n", rgb[0], rgb[1], rgb[2], x, y);
+        failures++;
+    }
+}
+
 static void ignore(void *user, uint32_t x, uint32_t y, const float *rgb)
 {
     (void)user, (void)x, (void)y, (void)rgb;
@@ -260,6 +270,44 @@ int main(int argc, char **argv)
     EXPECT(etd_film_resolve(scene, own, others, pixels + 1, 1, image), ETD_E_SIZE);
     EXPECT(etd_film_resolve(scene, NULL, NULL, pixels, 1, image), ETD_E_NULL);
     EXPECT(etd_film_resolve(scene, own, NULL, pixels, 1, image), ETD_OK);
+
+    /* Chains: what one step or many hand out stays finite, to the largest scale. */
+    EtdChain *chain = NULL;
+    EtdHooks splats = {0};
+    splats.struct_size = sizeof splats;
+    splats.user = &info;
+    splats.splat = sane;
+    void *place = aligned_alloc(ETD_CHAIN_ALIGN, (etd_chain_size() / ETD_CHAIN_ALIGN + 1) * ETD_CHAIN_ALIGN);
+    wrong = settings;
+    wrong.estimator = ETD_METROPOLIS;
+#define START(with, memory, size, out) etd_chain_start(scene, with, scratch, 1, at, memory, size, out)
+#define ADVANCE(hooks, handle, scale, steps) etd_chain_advance(scene, &wrong, hooks, scratch, handle, scale, steps)
+    uint64_t at = 0;
+    for (float found = 0; at < 1000 && found == 0; at += found == 0) {
+        EXPECT(etd_chain_bootstrap(scene, &wrong, NULL, scratch, at, 1, &found), ETD_OK);
+    }
+    EXPECT(START(&settings, place, etd_chain_size(), &chain), ETD_E_ARGUMENT);
+    EXPECT(START(&wrong, NULL, etd_chain_size(), &chain), ETD_E_NULL);
+    EXPECT(START(&wrong, place, etd_chain_size(), NULL), ETD_E_NULL);
+    EXPECT(START(&wrong, ODD(place), etd_chain_size(), &chain), ETD_E_MISALIGNED);
+    EXPECT(START(&wrong, place, etd_chain_size() - 1, &chain), ETD_E_SIZE);
+    EXPECT(START(&wrong, place, etd_chain_size(), &chain), ETD_OK);
+    EXPECT(ADVANCE(&splats, NULL, 1, 1), ETD_E_NULL);
+    EXPECT(ADVANCE(&splats, ODD(chain), 1, 1), ETD_E_MISALIGNED);
+    EXPECT(ADVANCE(NULL, chain, 1, 1), ETD_E_SPLAT);
+    EXPECT(ADVANCE(&splats, chain, NAN, 1), ETD_E_ARGUMENT);
+    EXPECT(ADVANCE(&splats, chain, -1, 1), ETD_E_ARGUMENT);
+    EXPECT(ADVANCE(&splats, chain, INFINITY, 0), ETD_E_ARGUMENT);
+    EXPECT(ADVANCE(&splats, chain, 2e28f, 1), ETD_E_ARGUMENT);
+    EXPECT(ADVANCE(&splats, chain, 1e27f, 11), ETD_E_ARGUMENT);
+    EXPECT(ADVANCE(&splats, chain, 1e28f, 1), ETD_OK);
+    EXPECT(ADVANCE(&splats, chain, 1e25f, 1000), ETD_OK);
+    EXPECT(ADVANCE(&splats, chain, 0, UINT32_MAX >> 20), ETD_OK);
+    EXPECT(etd_chain_accepted(chain, NULL), ETD_E_NULL);
+    EXPECT(etd_chain_accepted(NULL, rgb), ETD_E_NULL);
+    free(place);
+    wrong = settings;
+    wrong.estimator = ETD_BIDIRECTIONAL;
 
     /* Functions of the caller that lie: light may be wrong, but it is finite and nothing breaks. */
     int calls = 0;

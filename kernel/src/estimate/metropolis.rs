@@ -12,7 +12,7 @@
 //!    to the image themselves: samples are better at what is found easily, chains at what is not. Where walks are split, chains start from
 //!    walks aside too.
 //! 2. A [`Chain`] starts from a contribution to one of them: the sample is drawn in proportion to its mean, the contribution in proportion to its
-//!    own. That draws k in proportion to b_k, of any length, and begins in the stationary distribution as far as there are enough samples.
+//!    own, anew by each chain. That draws k in proportion to b_k, of any length, and begins in the stationary distribution as far as there are enough samples.
 //! 3. [`Chain::advance`] makes steps, each of which splats what it left and what it came to, by the chance of either.
 //!
 //! Of one strategy at a time b would be known far worse for as much work: where light is hard to find, few samples have any, and those have it
@@ -399,12 +399,12 @@ fn within(x: Real, n: u32) -> (u32, Real) {
     (cell, (scaled - cell as Real).clamp(0.0, ONE_MINUS))
 }
 
-/// Sample `index` of the bootstrap: what all strategies contribute to chains, and the edges and the state of the one that is drawn of them. The numbers go
-/// to `to`, what isn't for chains to `below`.
+/// Sample `index` of the bootstrap: what all strategies contribute to chains, and the edges and the state of the one that is drawn of them by the stream of
+/// chain `id`: chains of one sample start from different contributions. The numbers go to `to`, what isn't for chains to `below`.
 fn draw(
     scene: &Scene<'_>,
     settings: &Settings,
-    index: u64,
+    [id, index]: [u64; 2],
     [from, to]: [TapeView<'_>; 2],
     scratch: &mut ScratchView<'_>,
     below: &mut dyn FnMut([u32; 2], Rgb),
@@ -414,7 +414,7 @@ fn draw(
     let [x, y, xi]: [Real; CHOICES] = numbers.choose();
     let place = place(scene, index, [x, y]);
     let pixel = begin(scene, place, &mut numbers);
-    let random = Pcg::new(settings.seed, DRAW, index);
+    let random = Pcg::new(settings.seed, DRAW ^ id, index);
     let mut drawn = Drawn::new(Wanted::Any(random, below), settings, pixel);
     let draw = Draw {
         scene,
@@ -457,6 +457,6 @@ impl Scene<'_> {
     ) -> Real {
         let (mut from, mut to) = (Tape::<0>::new(), Tape::<0>::new());
         let tapes = [from.view(), to.view()];
-        draw(self, settings, index, tapes, scratch, below).0
+        draw(self, settings, [0, index], tapes, scratch, below).0
     }
 }

@@ -103,7 +103,7 @@ impl<const N: usize> Chain<N> {
         let tapes = [from.view(), to.view()];
         // What isn't for chains is the bootstrap's to give.
         let below = &mut |_, _| ();
-        let (_, edges, state) = draw(scene, settings, index, tapes, scratch, below);
+        let (_, edges, state) = draw(scene, settings, [id, index], tapes, scratch, below);
         (self.here, self.state, self.edges) = (1, state, edges);
         (self.id, self.steps, self.small) = (id, 0, [0.0; 2]);
     }
