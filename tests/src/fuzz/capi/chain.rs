@@ -93,8 +93,8 @@ impl Program<'_> {
         let (handle, good_handle) = pointer(s, room.start().cast::<EtdChain>())?;
         let scale = s.number(0.0, 1e6)?;
         let steps = s.below(20)? as u32;
-        let good =
-            sound && own && takes && started && good_handle && scale >= 0.0 && scale.is_finite();
+        let good_scale = scale >= 0.0 && scale * steps.max(1) as f32 <= 1e28;
+        let good = sound && own && takes && started && good_handle && good_scale;
         // SAFETY: as above; memory that was a chain's, or painted.
         self.call("advance", good, || unsafe {
             etd_chain_advance(
