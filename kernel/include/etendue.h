@@ -568,9 +568,9 @@ EtdStatus etd_chain_start(const struct EtdScene *scene,
                           size_t memory_size,
                           struct EtdChain **out);
 
-// Takes `steps` steps of a chain. `scale` is the image's mean, from bootstrap estimates; 0 ≤ `scale` × `steps` ≤ 1e28. Splats go to `hooks->splat`, which must be there: with n steps
-// per pixel of the image by all chains together, pixel = sum of splats to it/n. `closest` and `random` have to be null; `cancelled` is asked
-// before the first step, and a call that has begun takes all of them.
+// Takes `steps` steps of a chain. `scale` is the image's mean, from bootstrap estimates; 0 ≤ `scale` × `steps` ≤ 1e28. Splats go to
+// `hooks->splat`, which must be there: with n steps per pixel of the image by all chains together, pixel = sum of splats to it/n. `closest` and
+// `random` have to be null; `cancelled` is asked before the first step, and a call that has begun takes all of them.
 EtdStatus etd_chain_advance(const struct EtdScene *scene,
                             const struct EtdSettings *with,
                             const struct EtdHooks *hooks,

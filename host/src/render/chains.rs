@@ -2,16 +2,23 @@
 //!
 //! 1. A pilot of whole samples, thrown away, says how much of a contribution is left to samples, and how many steps each of them is worth ([`Balance`]).
 //! 2. Pilot chains find the size of steps and are thrown away.
-//! 3. A pass makes a whole sample of each pixel. What samples leave to chains is energy (Cline et al. 2005): it is gathered along a row of pixels, and each time
-//!    there is enough of it for a chain, one starts at the sample that has brought the last of it. That draws starts in proportion to their
-//!    energy, evenly; and as each chain takes as many steps and hands out as much, whatever it started from, the image is right in the mean after any
-//!    number of passes.
+//! 3. A pass makes whole samples of each pixel. What samples leave to chains is energy (Cline et al. 2005): it is gathered over a block of
+//!    pixels, and each time there is enough of it for a chain, one starts at the sample that has brought the last of it. That draws starts in
+//!    proportion to their energy, evenly; and as each chain of a block takes as many steps and hands out as much, whatever it started from, the
+//!    image is right in the mean after any number of passes.
+//! 4. After 1, 2, 4, 8 … passes it is chosen how often each block is done in those to come: more often where its chains give much to few pixels, as
+//!    in what a glass ball shows of a bright gap ([`Block::share_out`]).
+
+mod block;
+mod deposits;
 
 use super::crew::{Run, each_once};
 use super::rates::Rates;
 use super::tiles::film;
 use super::{CAPACITY, Course, Job, Progress, RenderError, Rendered, Worker, add_up, grey, lock};
 use crate::render::Budget;
+use block::Block;
+use deposits::Deposits;
 use etendue::estimate::Chain;
 use etendue::film::{Refused, Step, Sum, merge};
 use etendue::random::{Pcg, Purpose, Sampler};
@@ -21,8 +28,6 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Pixels in a row whose samples' energy is gathered.
-const PIXELS: u64 = 64;
 /// Steps of a chain. With 64, 256, 1024, 4096, 16384 of them, glass-caustic.xml has 0.4, 0.7, 0.7, 0.9, 1 of the efficiency, door-ajar.xml 0.7, 0.9, 1, 0.9, 0.7
 /// (without walks aside and steps in the image alone).
 const LENGTH: u64 = 1024;
@@ -102,17 +107,6 @@ impl Mean {
             0.0
         }
     }
-}
-
-/// A row of pixels, and the chain that its energy goes to.
-#[derive(Default)]
-struct Row {
-    chain: Chain<VERTICES>,
-    /// Energy, as a share of what makes a chain.
-    gathered: f64,
-    chains: u64,
-    accepted: f64,
-    mean: Mean,
 }
 
 /// What is left to samples, and what that means.
@@ -265,8 +259,8 @@ impl Plan<'_, '_> {
         Ok(())
     }
 
-    /// One pass of row `id`: the same splats whatever passes are done in one go.
-    fn pass(&self, id: u64, pass: u64, row: &mut Row, worker: &mut Worker) {
+    /// One pass of block `id`: the same splats whatever passes are done in one go.
+    fn pass(&self, id: u64, block: &mut Block, worker: &mut Worker) {
         let Self { job, settings, .. } = self;
         let Worker {
             scratch,
@@ -274,34 +268,41 @@ impl Plan<'_, '_> {
             heaviest,
             ..
         } = worker;
-        for at in id * PIXELS..((id + 1) * PIXELS).min(self.pixels) {
-            let index = pass * self.pixels + at;
+        let (mut chain, mut deposits) = (Chain::<VERTICES>::new(), Deposits::new());
+        let share = 1.0 / block.rate as f32;
+        for [x, y] in Block::pixels(id, job.size) {
+            let at = u64::from(y) * u64::from(job.size[0]) + u64::from(x);
             let mut all = 0.0;
-            let energy = self.sample(settings, index, scratch, &mut |pixel, value| {
-                all += grey(value);
-                splats.add(pixel, value);
-            });
-            all += 3.0 * energy;
+            for number in block.samples..block.samples + block.rate {
+                let index = number * self.pixels + at;
+                let energy = self.sample(settings, index, scratch, &mut |pixel, value| {
+                    let value = value * share;
+                    all += grey(value);
+                    splats.add(pixel, value);
+                });
+                all += 3.0 * energy * share;
+                let wanted = block.gather(f64::from(energy) / (self.energy * LENGTH as f64));
+                let chains = wanted.min(MOST_CHAINS);
+                let each = self.energy * wanted as f64 / chains.max(1) as f64;
+                for _ in 0..chains {
+                    let view = &mut scratch.view(job.scene);
+                    chain.start(job.scene, settings, id << 32 | block.chains, index, view);
+                    let splat = &mut |pixel, value| {
+                        deposits.add(pixel, value);
+                        splats.add(pixel, value);
+                    };
+                    let scale = each as Real * share;
+                    chain.advance(job.scene, settings, scale, LENGTH, view, splat);
+                    block.chains += 1;
+                    block.accepted += f64::from(chain.accepted());
+                }
+                let squares = if chains > 0 { deposits.squares() } else { 0.0 };
+                block.note(Balance::TIME * (LENGTH * chains) as f64, squares);
+            }
             heaviest.add(all);
-            row.mean.add(job.step, all / 3.0);
-            if energy <= 0.0 {
-                continue;
-            }
-            row.gathered += f64::from(energy) / (self.energy * LENGTH as f64);
-            let wanted = row.gathered.floor();
-            row.gathered -= wanted;
-            let chains = wanted.min(MOST_CHAINS as f64);
-            let each = (self.energy * wanted / chains.max(1.0)) as Real;
-            for _ in 0..chains as u64 {
-                let view = &mut scratch.view(job.scene);
-                let (chain, number) = (&mut row.chain, id << 32 | row.chains);
-                chain.start(job.scene, settings, number, index, view);
-                let splat = &mut |pixel, value| splats.add(pixel, value);
-                chain.advance(job.scene, settings, each, LENGTH, view, splat);
-                row.chains += 1;
-                row.accepted += f64::from(chain.accepted());
-            }
+            block.mean.add(job.step, all / 3.0);
         }
+        block.samples += block.rate;
     }
 }
 
@@ -341,40 +342,41 @@ pub(super) fn render(
         plan.energy = 1.0;
     }
 
-    let count = pixels.div_ceil(PIXELS);
-    let rows: Vec<_> = (0..count)
-        .map(|id| {
-            let xi = Pcg::new(plan.settings.seed, START, !id).one(Purpose::Choice);
-            Mutex::new(Row {
-                gathered: f64::from(xi),
-                ..Row::default()
-            })
-        })
+    let [columns, rows] = Block::count(job.size).map(u64::from);
+    let blocks: Vec<_> = (0..columns * rows)
+        .map(|_| Mutex::new(Block::new()))
         .collect();
     let mut course = Course::new(budget, begun);
+    // All are alike before there is anything to tell them apart.
+    Block::share_out(&blocks, 0, plan.settings.seed);
     while course.goes_on() {
         let work = |i: usize, passes: std::ops::Range<u64>, worker: &mut Worker| {
-            let (row, id) = (&mut *lock(&rows[i]), i as u64);
-            for pass in passes {
-                plan.pass(id, pass, row, worker);
+            let (block, id) = (&mut *lock(&blocks[i]), i as u64);
+            for _ in passes {
+                plan.pass(id, block, worker);
             }
-            PIXELS.min(pixels - id * PIXELS)
+            Block::pixels(id, job.size).count() as u64
         };
-        job.spend(&mut course, u64::MAX, run, stop, watch, rows.len(), &work)?;
+        let end = (course.done + 1).next_power_of_two();
+        job.spend(&mut course, end, run, stop, watch, blocks.len(), &work)?;
+        if course.done == end {
+            Block::share_out(&blocks, end, plan.settings.seed);
+        }
     }
 
-    let (mut mean, mut chains, mut accepted) = (Mean::default(), 0, 0.0);
-    for row in rows {
-        let row = row.into_inner().unwrap_or_else(PoisonError::into_inner);
-        mean.merge(&row.mean);
-        chains += row.chains;
-        accepted += row.accepted;
+    let (mut mean, mut bootstraps, mut chains, mut accepted) = (Mean::default(), 0, 0, 0.0);
+    for (block, id) in blocks.into_iter().zip(0..) {
+        let block = block.into_inner().unwrap_or_else(PoisonError::into_inner);
+        mean.merge(&block.mean);
+        bootstraps += block.samples * Block::pixels(id, job.size).count() as u64;
+        chains += block.chains;
+        accepted += block.accepted;
     }
     let (mut rendered, splats) = course.collect(job.size);
     rendered.refused += mean.refused;
     rendered.chains = Some(ChainReport {
         chains,
-        bootstraps: mean.count,
+        bootstraps,
         mean: mean.value(step),
         error: mean.error(step),
         above: f64::from(plan.settings.mutations.above),

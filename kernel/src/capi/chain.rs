@@ -139,9 +139,9 @@ pub unsafe extern "C" fn etd_chain_start(
 /// The most that a call of `etd_chain_advance` hands out, so that what splats are made of is finite: 3 channels × 2³² pixels × this are.
 const MOST: f32 = 1e28;
 
-/// Takes `steps` steps of a chain. `scale` is the image's mean, from bootstrap estimates; 0 ≤ `scale` × `steps` ≤ 1e28. Splats go to `hooks->splat`, which must be there: with n steps
-/// per pixel of the image by all chains together, pixel = sum of splats to it/n. `closest` and `random` have to be null; `cancelled` is asked
-/// before the first step, and a call that has begun takes all of them.
+/// Takes `steps` steps of a chain. `scale` is the image's mean, from bootstrap estimates; 0 ≤ `scale` × `steps` ≤ 1e28. Splats go to
+/// `hooks->splat`, which must be there: with n steps per pixel of the image by all chains together, pixel = sum of splats to it/n. `closest` and
+/// `random` have to be null; `cancelled` is asked before the first step, and a call that has begun takes all of them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_chain_advance(
     scene: *const EtdScene,

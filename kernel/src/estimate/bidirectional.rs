@@ -22,7 +22,7 @@ use crate::instance::Instance;
 use crate::path::{
     Arrival, HistoryView, Junction, Link, Mis, Terms, Trace, Walk, connect_first, emission_terms,
 };
-use crate::random::{Sampler, Subpath};
+use crate::random::{Purpose, Sampler, Subpath};
 use crate::real::Real;
 use crate::sensor::Element;
 use crate::shape::Tracer;
@@ -32,7 +32,7 @@ use contribution::{connect, escaped, met_light, next_event};
 
 /// Connections that carry less than this share of their sample so far, times [`Settings::roulette`], are looked at by Russian roulette. Of 0.02 to
 /// 0.2 (times 0.5) this is where fewer rays and more noise balance on SmallVCM's boxes.
-const LITTLE: Real = 0.1;
+pub(super) const LITTLE: Real = 0.1;
 
 /// How many walks more leave a vertex whose light through Dirac vertices s = 0 alone can find. Efficiency with 0, 1, 4, 8, 16 of them on SmallVCM's
 /// boxes 5 and 6: 4.2, 5.4, 7.2, 7.7, 7.8 and 2.8, 4.6, 6.3, 6.3, 6.4; what they cost where light is easily found (a translucent block in glass under a
@@ -56,6 +56,8 @@ pub(super) trait Strategies<S> {
     fn take_aside(&mut self, t: usize, value: S, share: Real) -> bool;
     /// What a connection has to carry to be looked at for certain; 0: all are.
     fn little(&self) -> Real;
+    /// What one that carries `share` of that, less than 1, is multiplied by if it is looked at; 0 if it isn't. 1 in the mean, where it matters.
+    fn luck<P: Sampler>(&mut self, share: Real, sampler: &mut P) -> Real;
     /// How many walks more are sent where s = 0 is the only way.
     fn more(&self) -> u32;
 }
@@ -95,6 +97,10 @@ impl<S: Spectrum, F: FnMut([u32; 2], S)> Strategies<S> for All<'_, '_, '_, S, F>
         self.share * self.sum.max_channel()
     }
     #[inline(always)]
+    fn luck<P: Sampler>(&mut self, share: Real, sampler: &mut P) -> Real {
+        roulette(share, sampler)
+    }
+    #[inline(always)]
     fn take_aside(&mut self, _: usize, value: S, share: Real) -> bool {
         self.sum += value * share;
         false
@@ -102,6 +108,20 @@ impl<S: Spectrum, F: FnMut([u32; 2], S)> Strategies<S> for All<'_, '_, '_, S, F>
     #[inline(always)]
     fn more(&self) -> u32 {
         more(&self.scene, self.possible)
+    }
+}
+
+/// The least probability of being looked at: 1 over it is a number, and a small one.
+const LEAST: Real = 1e-6;
+
+/// [`Strategies::luck`] by Russian roulette.
+#[inline(always)]
+pub(super) fn roulette<P: Sampler>(share: Real, random: &mut P) -> Real {
+    let q = share.max(LEAST);
+    if random.one(Purpose::Roulette) < q {
+        1.0 / q
+    } else {
+        0.0
     }
 }
 
@@ -299,8 +319,7 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
         let smooth = vertex.has_smooth::<K>(&trace.scene);
         if smooth {
             if wanted.has(1, t) {
-                let little = wanted.little();
-                let value = next_event(trace, mis, &vertex, t, little, sampler, scratch.sensor);
+                let value = next_event(trace, mis, &vertex, t, wanted, sampler, scratch.sensor);
                 wanted.take([1, t], value, 1.0, None);
             }
             for (i, x) in scratch.light.iter().enumerate() {
@@ -310,11 +329,11 @@ fn sensor_side<T: Tracer, K: Instance, P: Sampler>(
                 }
                 if wanted.has(i + 2, t) && x.has_smooth::<K>(&trace.scene) {
                     let (links, sensor) = (&*scratch.links, &*scratch.sensor);
-                    let (strategy, little) = ([i + 2, t], wanted.little());
+                    let strategy = [i + 2, t];
                     let value = connect(
-                        trace, mis, x, &vertex, strategy, little, sampler, links, sensor,
+                        trace, mis, x, &vertex, strategy, wanted, sampler, links, sensor,
                     );
-                    wanted.take([i + 2, t], value, 1.0, None);
+                    wanted.take(strategy, value, 1.0, None);
                 }
             }
         }

@@ -22,15 +22,13 @@ mod chain;
 
 pub use chain::{Chain, Mutations};
 
-use super::bidirectional::{self, Strategies};
+use super::bidirectional::{self, LITTLE, Strategies};
 use super::scratch::{ScratchView, Workspace};
 use super::{Errand, Settings, accept, channels, dispatch};
 use crate::blob::{Possible, Scene, View};
 use crate::instance::Instance;
 use crate::path::Trace;
-use crate::random::{
-    CHOICES, Mutation, Pcg, Purpose, Recorded, Sampler as _, Subpath, Tape, TapeView,
-};
+use crate::random::{CHOICES, Mutation, Pcg, Purpose, Recorded, Sampler, Subpath, Tapes};
 use crate::real::{ONE_MINUS, Real};
 use crate::sensor::{Element, each_pixel};
 use crate::spectrum::{Rgb, Spectrum};
@@ -149,6 +147,8 @@ struct Drawn<'w> {
     /// [`Mutations::above`], and what the pixel itself gets up to that.
     above: Real,
     below: Rgb,
+    /// What the sample adds to its pixel so far, the mean channel.
+    sum: Real,
     /// The sum of the importance of all that contributed.
     total: Real,
     /// What was drawn, and by which strategy it came, by a walk aside or not.
@@ -165,6 +165,7 @@ impl<'w> Drawn<'w> {
             wanted,
             above: settings.mutations.above,
             below: Rgb::BLACK,
+            sum: 0.0,
             total: 0.0,
             state: State {
                 pixel,
@@ -182,6 +183,10 @@ struct Drawing<'d, 'w, 's, 'a, S: Spectrum> {
     drawn: &'d mut Drawn<'w>,
     scene: View<'s, 'a, S>,
     possible: Possible,
+    /// Of [`Drawn::sum`], what is little.
+    share: Real,
+    /// A connection that carries no more, whatever is in between, is below [`Drawn::above`] for certain.
+    bound: Real,
     /// Contributions that weren't finite, or negative.
     rejected: u64,
 }
@@ -222,10 +227,21 @@ impl<S: Spectrum> Strategies<S> for Drawing<'_, '_, '_, '_, S> {
         self.drawn.aside |= taken;
         taken
     }
-    // A path has the same value whatever else its numbers make, and the same numbers.
+    /// Nothing that is for chains: a path of theirs has the same value whatever else its numbers make.
     #[inline(always)]
     fn little(&self) -> Real {
-        0.0
+        match self.drawn.wanted {
+            Wanted::Any(..) => (self.share * self.drawn.sum).min(self.bound),
+            Wanted::Only(_) => self.bound,
+        }
+    }
+    #[inline(always)]
+    fn luck<P: Sampler>(&mut self, share: Real, _: &mut P) -> Real {
+        match &mut self.drawn.wanted {
+            // By numbers of its own: those of the path are recorded.
+            Wanted::Any(random, _) => bidirectional::roulette(share, random),
+            Wanted::Only(_) => 0.0,
+        }
     }
     #[inline(always)]
     fn more(&self) -> u32 {
@@ -256,6 +272,9 @@ impl<S: Spectrum> Drawing<'_, '_, '_, '_, S> {
         spread(&self.scene, raster, pixel, value, &mut |_, v| {
             sum += importance(v);
         });
+        if raster.is_none() {
+            drawn.sum += share * sum;
+        }
         // f = min(f, above) + f*; 0/0 where there is nothing.
         let beyond = (sum - drawn.above).max(0.0);
         let left = if beyond < sum { beyond / sum } else { 1.0 };
@@ -313,10 +332,19 @@ impl Errand for Draw<'_, '_, '_, '_, '_> {
         let (waves, lead) = channels::<K, _>(sampler);
         let (view, tree) = (View::new(scene, waves), scene.tree());
         let mut trace = Trace::<_, K>::new(view, &tree, lead, settings.roulette);
+        // Not of other channels than the film's, nor where an estimate of what media let through may be above 1; and but for rounding.
+        let known = <K::S as Spectrum>::FILM && !K::MEDIA;
+        let bound = if known {
+            drawn.above * (1.0 - 8.0 * Real::EPSILON)
+        } else {
+            0.0
+        };
         let mut drawing = Drawing {
             drawn,
             scene: view,
             possible: scene.possible(),
+            share: LITTLE * settings.roulette,
+            bound,
             rejected: 0,
         };
         let element = &Element::Pixel(pixel);
@@ -399,21 +427,28 @@ fn within(x: Real, n: u32) -> (u32, Real) {
     (cell, (scaled - cell as Real).clamp(0.0, ONE_MINUS))
 }
 
+/// Where the numbers of sample `index` of the bootstrap come from, and go to.
+fn anew<'t, const N: usize>(
+    settings: &Settings,
+    index: u64,
+    tapes: &'t mut Tapes<N>,
+) -> Recorded<'t> {
+    tapes.propose(Mutation::Large, Pcg::new(settings.seed, BOOTSTRAP, index))
+}
+
 /// Sample `index` of the bootstrap: what all strategies contribute to chains, and the edges and the state of the one that is drawn of them by the stream of
-/// chain `id`: chains of one sample start from different contributions. The numbers go to `to`, what isn't for chains to `below`.
+/// chain `id`: chains of one sample start from different contributions. Its numbers go to `numbers`, which are [`anew`], what isn't for chains to `below`.
 fn draw(
     scene: &Scene<'_>,
     settings: &Settings,
     [id, index]: [u64; 2],
-    [from, to]: [TapeView<'_>; 2],
+    numbers: &mut Recorded<'_>,
     scratch: &mut ScratchView<'_>,
     below: &mut dyn FnMut([u32; 2], Rgb),
 ) -> (Real, u32, State) {
-    let fresh = Pcg::new(settings.seed, BOOTSTRAP, index);
-    let mut numbers = Recorded::new(from, to, Mutation::Large, fresh);
     let [x, y, xi]: [Real; CHOICES] = numbers.choose();
     let place = place(scene, index, [x, y]);
-    let pixel = begin(scene, place, &mut numbers);
+    let pixel = begin(scene, place, numbers);
     let random = Pcg::new(settings.seed, DRAW ^ id, index);
     let mut drawn = Drawn::new(Wanted::Any(random, below), settings, pixel);
     let draw = Draw {
@@ -422,7 +457,7 @@ fn draw(
         limit: settings.limit(),
         pixel,
         drawn: &mut drawn,
-        sampler: &mut numbers,
+        sampler: numbers,
     };
     dispatch(scene, scratch, draw);
     if let (Wanted::Any(_, below), true) = (drawn.wanted, drawn.below != Rgb::BLACK) {
@@ -455,8 +490,8 @@ impl Scene<'_> {
         scratch: &mut ScratchView<'_>,
         below: &mut dyn FnMut([u32; 2], Rgb),
     ) -> Real {
-        let (mut from, mut to) = (Tape::<0>::new(), Tape::<0>::new());
-        let tapes = [from.view(), to.view()];
-        draw(self, settings, [0, index], tapes, scratch, below).0
+        let mut tapes = Tapes::<0>::new();
+        let numbers = &mut anew(settings, index, &mut tapes);
+        draw(self, settings, [0, index], numbers, scratch, below).0
     }
 }

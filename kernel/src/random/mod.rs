@@ -10,7 +10,7 @@ mod recorded;
 mod sobol;
 
 #[cfg(feature = "metropolis")]
-pub use recorded::{CHOICES, Mutation, Recorded, Tape, TapeView};
+pub use recorded::{CHOICES, Mutation, Recorded, Tapes};
 #[cfg(feature = "sobol")]
 pub use sobol::Sobol;
 

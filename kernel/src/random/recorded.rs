@@ -29,7 +29,7 @@ fn slots(purpose: Purpose) -> (u32, u32) {
 /// The numbers of one path: three streams, the walk from the sensor, that from the light, and what is chosen before either begins.
 /// The first `N` vertices of each walk are recorded.
 #[derive(Clone, Debug)]
-pub struct Tape<const N: usize> {
+struct Tape<const N: usize> {
     numbers: [[[Real; SLOTS]; N]; 2],
     recorded: [[u16; N]; 2],
     choice: [Real; CHOICES],
@@ -44,7 +44,7 @@ const STRATEGY: usize = 2;
 
 impl<const N: usize> Tape<N> {
     /// Nothing recorded.
-    pub const fn new() -> Self {
+    const fn new() -> Self {
         Self {
             numbers: [[[0.0; SLOTS]; N]; 2],
             recorded: [[0; N]; 2],
@@ -54,7 +54,7 @@ impl<const N: usize> Tape<N> {
 
     /// Of any length.
     #[inline(always)]
-    pub fn view(&mut self) -> TapeView<'_> {
+    fn view(&mut self) -> TapeView<'_> {
         TapeView {
             numbers: self.numbers.each_mut().map(<[_; N]>::as_mut_slice),
             recorded: self.recorded.each_mut().map(<[_; N]>::as_mut_slice),
@@ -63,7 +63,45 @@ impl<const N: usize> Tape<N> {
     }
 }
 
-impl<const N: usize> Default for Tape<N> {
+/// The numbers of a path, and room for those of the one that it is changed into.
+#[derive(Clone, Debug)]
+pub struct Tapes<const N: usize> {
+    tapes: [Tape<N>; 2],
+    /// Which of them is that of the path.
+    here: usize,
+}
+
+impl<const N: usize> Tapes<N> {
+    /// Nothing recorded.
+    pub const fn new() -> Self {
+        Self {
+            tapes: [Tape::new(), Tape::new()],
+            here: 0,
+        }
+    }
+
+    /// The path changed by `mutation`, with randomness from `fresh`.
+    #[inline(always)]
+    pub fn propose(&mut self, mutation: Mutation, fresh: Pcg) -> Recorded<'_> {
+        let [a, b] = &mut self.tapes;
+        let (before, after) = if self.here == 0 { (a, b) } else { (b, a) };
+        Recorded::new(before.view(), after.view(), mutation, fresh)
+    }
+
+    /// The path is what the last `mutation` made of it.
+    #[inline(always)]
+    pub fn accept(&mut self, mutation: Mutation) {
+        let [a, b] = &mut self.tapes;
+        let (before, after) = if self.here == 0 { (a, b) } else { (b, a) };
+        if mutation.keeps() {
+            (before.recorded, before.choice) = (after.recorded, after.choice);
+        } else {
+            self.here = 1 - self.here;
+        }
+    }
+}
+
+impl<const N: usize> Default for Tapes<N> {
     fn default() -> Self {
         Self::new()
     }
@@ -71,7 +109,7 @@ impl<const N: usize> Default for Tape<N> {
 
 /// A [`Tape`] of any length: what works with it is compiled once for all.
 #[derive(Debug)]
-pub struct TapeView<'t> {
+struct TapeView<'t> {
     numbers: [&'t mut [[Real; SLOTS]]; 2],
     recorded: [&'t mut [u16]; 2],
     choice: &'t mut [Real; CHOICES],
@@ -82,9 +120,8 @@ impl TapeView<'_> {
     fn free(&self, walk: usize, vertex: usize, purpose: Purpose) -> Option<usize> {
         let mask = self.recorded.get(walk)?.get(vertex)?;
         let (first, count) = slots(purpose);
-        (first..first + count)
-            .find(|&i| mask & 1 << i == 0)
-            .map(|i| i as usize)
+        let taken = (mask >> first).trailing_ones();
+        (taken < count).then_some((first + taken) as usize)
     }
 
     /// What is recorded.
@@ -96,13 +133,22 @@ impl TapeView<'_> {
 
     /// Records a number.
     fn set(&mut self, walk: usize, vertex: usize, slot: usize, number: Real) {
+        self.mark(walk, vertex, slot);
+        self.write(walk, vertex, slot, number);
+    }
+
+    /// Says that a number is recorded.
+    fn mark(&mut self, walk: usize, vertex: usize, slot: usize) {
         let masks = self.recorded.get_mut(walk);
-        let numbers = self.numbers.get_mut(walk);
-        if let (Some(mask), Some(place)) = (
-            masks.and_then(|m| m.get_mut(vertex)),
-            numbers.and_then(|n| n.get_mut(vertex)?.get_mut(slot)),
-        ) {
+        if let Some(mask) = masks.and_then(|m| m.get_mut(vertex)) {
             *mask |= 1 << slot;
+        }
+    }
+
+    /// Notes a number, recorded or not.
+    fn write(&mut self, walk: usize, vertex: usize, slot: usize, number: Real) {
+        let numbers = self.numbers.get_mut(walk);
+        if let Some(place) = numbers.and_then(|n| n.get_mut(vertex)?.get_mut(slot)) {
             *place = number;
         }
     }
@@ -120,10 +166,27 @@ pub enum Mutation {
     Small(Real),
 }
 
+impl Mutation {
+    /// Whether the numbers of both walks stay what they are, and where they are.
+    #[inline(always)]
+    fn keeps(self) -> bool {
+        matches!(self, Self::View(_))
+    }
+}
+
 /// How often the largest step can be halved: Kelemen has 4, but a chain that has got onto a peak narrower than its smallest step stays there for good.
 const OCTAVES: u32 = 10;
 /// The same for [`Mutation::View`]: less would stay in the pixel.
 const VIEW_OCTAVES: u32 = 5;
+/// 1 halved so often.
+const HALVED: [Real; OCTAVES as usize] = {
+    let (mut halved, mut k) = ([1.0; OCTAVES as usize], 1);
+    while k < halved.len() {
+        halved[k] = halved[k - 1] / 2.0;
+        k += 1;
+    }
+    halved
+};
 
 /// The numbers of a proposal: those of the path before it, changed. What isn't asked for isn't kept: its distribution, given the path, is
 /// uniform, so that drawing it anew when it is asked for again leaves the target as it is. Nor is what doesn't fit on the tape; it is drawn anew at
@@ -144,13 +207,9 @@ pub struct Recorded<'t> {
 }
 
 impl<'t> Recorded<'t> {
-    /// Changes `before`, writing to `after`, with randomness from `fresh`.
-    pub fn new(
-        before: TapeView<'t>,
-        mut after: TapeView<'t>,
-        mutation: Mutation,
-        fresh: Pcg,
-    ) -> Self {
+    /// Changes `before`, writing to `after`, with randomness from `fresh`. If the mutation keeps the numbers, they are those of `before`, and what is new
+    /// is added there: `after` says which of them the path has asked for.
+    fn new(before: TapeView<'t>, mut after: TapeView<'t>, mutation: Mutation, fresh: Pcg) -> Self {
         for mask in after.recorded.iter_mut().flat_map(|walk| walk.iter_mut()) {
             *mask = 0;
         }
@@ -173,11 +232,11 @@ impl<'t> Recorded<'t> {
         for ((new, old), i) in pairs.zip(0..) {
             *new = match self.mutation {
                 Mutation::Small(size) => {
-                    moved(*old, size, OCTAVES, self.fresh.two(Purpose::Choice))
+                    moved(*old, size, OCTAVES, self.fresh.one(Purpose::Choice))
                 }
                 Mutation::View(_) if i == STRATEGY => *old,
                 Mutation::View(size) => {
-                    moved(*old, size, VIEW_OCTAVES, self.fresh.two(Purpose::Choice))
+                    moved(*old, size, VIEW_OCTAVES, self.fresh.one(Purpose::Choice))
                 }
                 Mutation::Large => self.fresh.one(Purpose::Choice),
             };
@@ -190,20 +249,16 @@ impl<'t> Recorded<'t> {
         *self.after.choice = [x, y, strategy];
     }
 
-    /// The walk from the light is the same as before.
+    /// The walk from the light is the same as before, of a mutation that keeps the numbers: all that it has asked for is asked for again.
     pub fn keep_light(&mut self) {
-        self.carry(0, Subpath::Light);
+        let [after, before] = [&mut self.after, &mut self.before].map(|t| &mut t.recorded[1]);
+        after.copy_from_slice(before);
     }
 
     /// The path is that of the walk aside that was kept, from where that left the sensor's: so are its numbers.
     pub fn adopt(&mut self) {
-        self.carry(self.aside[1], Subpath::Sensor);
-    }
-
-    /// What was recorded in the stream of the light, from vertex `first` on, is recorded in that of `to`.
-    fn carry(&mut self, first: usize, to: Subpath) {
-        let (from, to) = (Subpath::Light as usize, to as usize);
-        for vertex in first..self.before.recorded[from].len() {
+        let (from, to) = (Subpath::Light as usize, Subpath::Sensor as usize);
+        for vertex in self.aside[1]..self.before.recorded[from].len() {
             let mut mask = self.before.recorded[from][vertex];
             while mask != 0 {
                 let slot = mask.trailing_zeros() as usize;
@@ -221,14 +276,17 @@ impl<'t> Recorded<'t> {
     }
 }
 
-/// `x` moved by a small step, around the ends, by two numbers in [0, 1).
+/// `x` moved by a small step, around the ends, by a number in [0, 1): up by those below 1/2, down by the others.
 #[inline(always)]
-fn moved(x: Real, size: Real, octaves: u32, [xi, side]: [Real; 2]) -> Real {
+fn moved(x: Real, size: Real, octaves: u32, xi: Real) -> Real {
+    // No branch, which would be taken as often as not.
+    let down = if xi < 0.5 { 0.0 } else { 1.0 };
     // Evenly in one of the octaves, all equally likely: an exponential for each number would cost as much as a ray for each path.
-    let place = xi * octaves as Real;
+    let place = (2.0 * xi - down) * octaves as Real;
     let octave = place as u32;
-    let step = size * (1.0 - 0.5 * (place - octave as Real)) / (1u32 << octave.min(31)) as Real;
-    let y = if side < 0.5 { x + step } else { x - step };
+    let largest = HALVED.get(octave as usize).copied().unwrap_or_default();
+    let step = size * largest * (1.0 - 0.5 * (place - octave as Real));
+    let y = x + step * (1.0 - 2.0 * down);
     let y = if y >= 1.0 {
         y - 1.0
     } else if y < 0.0 {
@@ -291,14 +349,18 @@ impl Sampler for Recorded<'_> {
         let Some(slot) = after.free(*walk, *vertex, purpose) else {
             return fresh.one(purpose);
         };
-        let value = match (*mutation, before.known(*walk, *vertex, slot)) {
+        after.mark(*walk, *vertex, slot);
+        let known = before.known(*walk, *vertex, slot);
+        let (value, tape) = match (*mutation, known) {
+            (Mutation::View(_), Some(old)) => return old,
+            (Mutation::View(_), None) => (fresh.one(purpose), before),
             (Mutation::Small(size), Some(old)) => {
-                moved(old, size, OCTAVES, fresh.two(Purpose::Choice))
+                let value = moved(old, size, OCTAVES, fresh.one(Purpose::Choice));
+                (value, after)
             }
-            (Mutation::View(_), Some(old)) => old,
-            _ => fresh.one(purpose),
+            _ => (fresh.one(purpose), after),
         };
-        after.set(*walk, *vertex, slot, value);
+        tape.write(*walk, *vertex, slot, value);
         value
     }
 }
@@ -307,7 +369,14 @@ impl Sampler for Recorded<'_> {
 mod tests {
     use super::*;
 
-    const ENDS: [Real; 5] = [0.0, Real::MIN_POSITIVE, 0.5, 0.999, ONE_MINUS];
+    const ENDS: [Real; 6] = [
+        0.0,
+        Real::MIN_POSITIVE,
+        0.5 - Real::EPSILON / 4.0,
+        0.5,
+        0.999,
+        ONE_MINUS,
+    ];
 
     /// Whatever a number is and whatever draws its step: in [0, 1), and as far away as steps are, around the ends.
     #[test]
@@ -317,15 +386,15 @@ mod tests {
             .into_iter()
             .flat_map(|x| [1e-5, 0.01, 0.25, 0.5].map(|size| (x, size)))
         {
-            for (xi, side) in ENDS.into_iter().flat_map(|xi| ENDS.map(|side| (xi, side))) {
+            for xi in ENDS {
                 for octaves in [VIEW_OCTAVES, OCTAVES] {
-                    let y = moved(x, size, octaves, [xi, side]);
-                    assert!((0.0..1.0).contains(&y), "{x} by {size}, {xi}, {side}: {y}");
+                    let y = moved(x, size, octaves, xi);
+                    assert!((0.0..1.0).contains(&y), "{x} by {size}, {xi}: {y}");
                     let way = (y - x).abs();
                     let way = way.min(1.0 - way);
                     let least = size / (1u32 << octaves) as Real;
-                    assert!(way <= size + rounding, "{x} by {size}, {xi}, {side}: {y}");
-                    assert!(way >= least - rounding, "{x} by {size}, {xi}, {side}: {y}");
+                    assert!(way <= size + rounding, "{x} by {size}, {xi}: {y}");
+                    assert!(way >= least - rounding, "{x} by {size}, {xi}: {y}");
                 }
             }
         }
@@ -336,8 +405,8 @@ mod tests {
     fn steps_are_undone_by_steps_to_the_other_side() {
         for x in ENDS {
             for xi in ENDS {
-                let there = moved(x, 0.25, OCTAVES, [xi, 0.25]);
-                let back = moved(there, 0.25, OCTAVES, [xi, 0.75]);
+                let there = moved(x, 0.25, OCTAVES, xi / 2.0);
+                let back = moved(there, 0.25, OCTAVES, (xi / 2.0 + 0.5).min(ONE_MINUS));
                 let off = (back - x).abs();
                 assert!(
                     off.min(1.0 - off) <= 2.0 * Real::EPSILON,
@@ -353,7 +422,7 @@ mod tests {
         let mut counts = [0u32; OCTAVES as usize];
         for i in 0..1000 {
             let xi = (i as Real + 0.5) / 1000.0;
-            let step = moved(0.0, 0.5, OCTAVES, [xi, 0.0]);
+            let step = moved(0.0, 0.5, OCTAVES, xi / 2.0);
             // In (2^−k/2, 2^−k]/2.
             let octave = (0..).find(|&k| step > 0.25 / (1u32 << k) as Real);
             counts[octave.unwrap()] += 1;

@@ -69,6 +69,7 @@ impl Spectrum for Hero {
     const BLACK: Self = Self([0.0; N]);
     const WHITE: Self = Self([1.0; N]);
     const CHANNELS: usize = N;
+    const FILM: bool = false;
     type Waves = Waves;
 
     #[inline(never)]

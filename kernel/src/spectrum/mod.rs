@@ -79,6 +79,8 @@ pub trait Spectrum:
     const WHITE: Self;
     /// How many channels there are.
     const CHANNELS: usize;
+    /// Whether they are those of the film, so that what is less here is less there.
+    const FILM: bool;
     /// Channel `i`; 0 if there is none.
     fn channel(self, i: usize) -> Real;
     /// What the channels of a path are, where that isn't the same for all paths.

@@ -33,6 +33,7 @@ impl Spectrum for Rgb {
     const BLACK: Self = Self::new(0.0, 0.0, 0.0);
     const WHITE: Self = Self::new(1.0, 1.0, 1.0);
     const CHANNELS: usize = 3;
+    const FILM: bool = true;
 
     #[inline(always)]
     fn draw(xi: Real) -> ((), usize) {

@@ -1,6 +1,6 @@
 //! What each strategy contributes: its value, the junction's densities, its weight.
 
-use super::link;
+use super::{Strategies, link};
 use crate::blob::format::NONE;
 use crate::emitter;
 use crate::instance::Instance;
@@ -111,11 +111,8 @@ fn met_glow<T: Tracer, K: Instance>(
     walk.throughput * walk.emission * weight
 }
 
-/// The least probability of being looked at: 1 over it is a number, and a small one.
-const LEAST: Real = 1e-6;
-
-/// What a connection of `y` carries, towards a point in `medium`: `carried` says it for what there is in between. What carries less than `little` even
-/// if that is nothing is looked at by Russian roulette.
+/// What a connection of `y` carries, towards a point in `medium`: `carried` says it for what there is in between. What carries little even
+/// if that is nothing is looked at with luck ([`Strategies::luck`]).
 #[inline(always)]
 #[allow(clippy::too_many_arguments)] // a way, and who asks
 fn look<T: Tracer, K: Instance, P: Sampler>(
@@ -124,11 +121,11 @@ fn look<T: Tracer, K: Instance, P: Sampler>(
     direction: Vec3,
     end: Option<Vec3>,
     medium: u32,
-    little: Real,
+    wanted: &mut impl Strategies<K::S>,
     sampler: &mut P,
     carried: impl Fn(&Sight<K::S>) -> K::S,
 ) -> K::S {
-    let (mut most, mut scale) = (K::S::BLACK, 1.0);
+    let (mut most, mut scale, little) = (K::S::BLACK, 1.0, wanted.little());
     if !K::MEDIA || little > 0.0 {
         // The less media let through, the more this strategy weighs: at most as if no walk could come this way.
         most = carried(&Sight {
@@ -137,12 +134,11 @@ fn look<T: Tracer, K: Instance, P: Sampler>(
             ..Sight::FREE
         });
         let share = most.max_channel() / little;
-        let q = if share < LEAST { LEAST } else { share };
-        if q < 1.0 {
-            if sampler.one(Purpose::Roulette) >= q {
+        if share < 1.0 {
+            scale = wanted.luck(share, sampler);
+            if scale <= 0.0 {
                 return K::S::BLACK;
             }
-            scale = 1.0 / q;
         }
     }
     let sight = trace.sees(y, direction, end, sampler);
@@ -164,7 +160,7 @@ pub(super) fn next_event<T: Tracer, K: Instance, P: Sampler>(
     mis: &Mis,
     y: &Vertex<K::S>,
     t: usize,
-    little: Real,
+    wanted: &mut impl Strategies<K::S>,
     sampler: &mut P,
     sensor: &HistoryView,
 ) -> K::S {
@@ -223,7 +219,7 @@ pub(super) fn next_event<T: Tracer, K: Instance, P: Sampler>(
         light.direction,
         light.end,
         medium,
-        little,
+        wanted,
         sampler,
         carried,
     )
@@ -238,7 +234,7 @@ pub(super) fn connect<T: Tracer, K: Instance, P: Sampler>(
     x: &Vertex<K::S>,
     y: &Vertex<K::S>,
     [s, t]: [usize; 2],
-    little: Real,
+    wanted: &mut impl Strategies<K::S>,
     sampler: &mut P,
     light: &[Link],
     sensor: &HistoryView,
@@ -278,5 +274,5 @@ pub(super) fn connect<T: Tracer, K: Instance, P: Sampler>(
             * (inverse_square * weight)
     };
     let end = Some(x.point.leave(-direction));
-    look(trace, y, direction, end, NONE, little, sampler, carried)
+    look(trace, y, direction, end, NONE, wanted, sampler, carried)
 }

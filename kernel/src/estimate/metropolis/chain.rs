@@ -1,10 +1,10 @@
 //! Chains, and how they move.
 
-use super::{State, draw, evaluate};
+use super::{State, anew, draw, evaluate};
 use crate::blob::Scene;
 use crate::estimate::Settings;
 use crate::estimate::scratch::ScratchView;
-use crate::random::{Mutation, Pcg, Purpose, Recorded, Sampler as _, Tape};
+use crate::random::{Mutation, Pcg, Purpose, Sampler as _, Tapes};
 use crate::real::{Real, exp, log};
 use crate::spectrum::Rgb;
 
@@ -60,9 +60,7 @@ impl Mutations {
 /// A chain of paths. `N` bounds the vertices of either walk whose numbers are recorded: those beyond are drawn anew at every step.
 #[derive(Clone, Debug)]
 pub struct Chain<const N: usize = 16> {
-    tapes: [Tape<N>; 2],
-    /// Which tape is that of the path where it is.
-    here: usize,
+    tapes: Tapes<N>,
     state: State,
     edges: u32,
     id: u64,
@@ -80,8 +78,7 @@ impl<const N: usize> Chain<N> {
     /// Nowhere yet: it contributes nothing.
     pub const fn new() -> Self {
         Self {
-            tapes: [Tape::new(), Tape::new()],
-            here: 0,
+            tapes: Tapes::new(),
             state: State::NONE,
             edges: 1,
             id: 0,
@@ -99,12 +96,12 @@ impl<const N: usize> Chain<N> {
         index: u64,
         scratch: &mut ScratchView<'_>,
     ) {
-        let [from, to] = &mut self.tapes;
-        let tapes = [from.view(), to.view()];
+        let numbers = &mut anew(settings, index, &mut self.tapes);
         // What isn't for chains is the bootstrap's to give.
         let below = &mut |_, _| ();
-        let (_, edges, state) = draw(scene, settings, [id, index], tapes, scratch, below);
-        (self.here, self.state, self.edges) = (1, state, edges);
+        let (_, edges, state) = draw(scene, settings, [id, index], numbers, scratch, below);
+        self.tapes.accept(Mutation::Large);
+        (self.state, self.edges) = (state, edges);
         (self.id, self.steps, self.small) = (id, 0, [0.0; 2]);
     }
 
@@ -138,9 +135,7 @@ impl<const N: usize> Chain<N> {
             } else {
                 Mutation::Small(settings.mutations.size)
             };
-            let [a, b] = &mut self.tapes;
-            let (before, after) = if self.here == 0 { (a, b) } else { (b, a) };
-            let mut numbers = Recorded::new(before.view(), after.view(), mutation, random);
+            let mut numbers = self.tapes.propose(mutation, random);
             lit &= matches!(mutation, Mutation::View(_));
             let proposed = evaluate(scene, settings, self.edges, lit, &mut numbers, scratch);
             // Steps are symmetric but for how often they are small: a = min(1, f*(y) T(y→x)/(f*(x) T(x→y))) (Kelemen et al. 2002, eq. 5).
@@ -158,7 +153,8 @@ impl<const N: usize> Chain<N> {
             lit |= accepted;
             if accepted {
                 self.state.splat(scene, stayed * scale, splat);
-                (self.state, self.here, stayed) = (proposed, 1 - self.here, chance);
+                self.tapes.accept(mutation);
+                (self.state, stayed) = (proposed, chance);
             } else {
                 proposed.splat(scene, chance * scale, splat);
             }
